@@ -5,7 +5,7 @@
 
 use std::process::ExitCode;
 
-use wildfire::batch::{CpuSplit, RunResult};
+use wildfire::batch::execute::{CpuSplit, RunResult};
 use wildfire::stats::Series;
 use wildfire::timeline::Outcome;
 use wildfire::{scenario, sim};

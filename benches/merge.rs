@@ -26,7 +26,7 @@ mod unix {
 
     use nix::sys::resource::{UsageWho, getrusage};
     use nix::sys::time::TimeValLike;
-    use wildfire::batch::BatchRequest;
+    use wildfire::batch::plan::BatchRequest;
 
     const PROGRAM: &str = env!("CARGO_BIN_EXE_wildfire");
 

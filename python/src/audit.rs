@@ -6,9 +6,9 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use wildfire::audit::{SampleStep, audit_timeline};
-use wildfire::batch::{
-    AuditOptions, AuditSource, FinishedBatch, ListedViolation, RECORDINGS_FOLDER, audit_all, recordings_in,
-};
+use wildfire::batch::execute::RECORDINGS_FOLDER;
+use wildfire::batch::report::{AuditOptions, AuditSource, ListedViolation, audit_all};
+use wildfire::batch::table::{FinishedBatch, recordings_in};
 
 use crate::batch::{Batch, OneOrMore, threads};
 use crate::errors::error;
@@ -60,7 +60,7 @@ impl Violation {
 
 /// Anything that can be audited.
 #[derive(FromPyObject)]
-pub enum Audited<'py> {
+pub enum Auditable<'py> {
     Run(Bound<'py, Run>),
     Batch(Bound<'py, Batch>),
     Path(PathBuf),
@@ -91,7 +91,7 @@ pub enum Audited<'py> {
 #[pyo3(signature = (what, *, planners = None, policies = None, jobs = 1))]
 pub fn audit(
     py: Python<'_>,
-    what: OneOrMore<Audited<'_>>,
+    what: OneOrMore<Auditable<'_>>,
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
     jobs: isize,
@@ -101,7 +101,7 @@ pub fn audit(
     let mut violations = Vec::new();
     for audited in what.into_vec() {
         match audited {
-            Audited::Run(run) => {
+            Auditable::Run(run) => {
                 let (run, timeline) = (run.get(), &run.get().timeline);
                 let verdict = py.detach(|| audit_timeline(timeline, SampleStep::default()));
                 violations.extend(
@@ -110,11 +110,11 @@ pub fn audit(
                         .map(|violation| Violation::new(run.name(), violation.to_string(), Some(violation))),
                 );
             }
-            Audited::Batch(batch) => {
+            Auditable::Batch(batch) => {
                 let source = source(batch.get().path().to_owned())?;
                 violations.extend(audit_source(py, &source, &factories, jobs)?);
             }
-            Audited::Path(path) => violations.extend(audit_source(py, &source(path)?, &factories, jobs)?),
+            Auditable::Path(path) => violations.extend(audit_source(py, &source(path)?, &factories, jobs)?),
         }
     }
     Ok(violations)

@@ -9,11 +9,13 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PyString};
 use tempfile::TempDir;
-use wildfire::batch::{
-    self as library, BatchError, BatchPlan, BatchReport, BatchRequest, FinishedBatch, MAX_SLICES, Merged, OutputFolder,
-    PlanError, RealDisk, Record, RequestError, Seeds, Setting, Slice, SliceError, Sweep, merge, read_report, read_rows,
-    swept_columns, with_threads,
+use wildfire::batch as library;
+use wildfire::batch::execute::{BatchError, OutputFolder, RealDisk, with_threads};
+use wildfire::batch::plan::{
+    BatchPlan, BatchRequest, MAX_SLICES, PlanError, Record, RequestError, Seeds, Setting, Slice, SliceError, Sweep,
 };
+use wildfire::batch::report::{BatchReport, Merged, merge, read_report, read_rows};
+use wildfire::batch::table::{FinishedBatch, swept_columns};
 use wildfire::scenario::{Fault, ScenarioText};
 use wildfire::sim::{RunError, RunOptions};
 
@@ -144,7 +146,7 @@ impl<T> OneOrMore<T> {
 }
 
 /// The arguments that determine the runs.
-struct Request<'a, 'py> {
+struct RunsRequest<'a, 'py> {
     scenarios: Vec<Py<Scenario>>,
     seeds: Seeds,
     planners: Vec<String>,
@@ -218,9 +220,9 @@ pub fn batch(
     shards: Option<u64>,
 ) -> PyResult<Batch> {
     let jobs = threads(jobs)?;
-    let spread = Spread::new(executor, shards)?;
+    let spread = SpreadBatch::new(executor, shards)?;
     let scenarios = scenarios.map_or_else(|| vec![ScenarioLike::or_contest(None)], OneOrMore::into_vec);
-    let request = Request {
+    let request = RunsRequest {
         scenarios: scenarios.iter().map(|named| named.load(py, Vec::new())).collect::<PyResult<_>>()?,
         seeds: seeds.map_or_else(|| Ok(Seeds::default()), seeds_from)?,
         planners: planner.map_or_else(Vec::new, OneOrMore::into_vec),
@@ -280,7 +282,7 @@ pub fn run_shard(
     let mut plan = BatchPlan::read(&folder).map_err(error)?;
     factories.sign(py, &mut plan, version)?;
     interruptible(py, &factories, jobs, |interruption| {
-        let mut batch = library::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
+        let mut batch = library::execute::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
         batch.plan().expect_same(&plan, &folder)?;
         let found = batch.progress().stored().0;
         run_missing(&mut batch, &factories, jobs, interruption)?;
@@ -320,7 +322,7 @@ pub fn threads(jobs: isize) -> PyResult<usize> {
     }
 }
 
-impl Request<'_, '_> {
+impl RunsRequest<'_, '_> {
     /// Makes the plan: one per scenario, since each has its own changes.
     fn plan(&self, factories: &Factories) -> PyResult<BatchPlan> {
         let mut plans = Vec::new();
@@ -417,12 +419,12 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
 }
 
 /// A batch that is spread over the workers of an executor.
-struct Spread<'a, 'py> {
+struct SpreadBatch<'a, 'py> {
     executor: &'a Bound<'py, PyAny>,
     shards: u64,
 }
 
-impl<'a, 'py> Spread<'a, 'py> {
+impl<'a, 'py> SpreadBatch<'a, 'py> {
     fn new(executor: Option<&'a Bound<'py, PyAny>>, shards: Option<u64>) -> PyResult<Option<Self>> {
         match (executor, shards) {
             (None, None) => Ok(None),
@@ -443,7 +445,7 @@ impl<'a, 'py> Spread<'a, 'py> {
                 false => OutputFolder::named(path, false)?,
             };
             let first = Slice::new(1, self.shards).expect("the number was checked before");
-            library::Batch::join(plan, folder, first)
+            library::execute::Batch::join(plan, folder, first)
         };
         begin().map_err(|refusal| refused(refusal, factories))?;
         absolute(path).map_err(error)
@@ -510,7 +512,7 @@ fn refused(refusal: BatchError, factories: &Factories) -> PyErr {
 
 /// Runs what the journal of a batch, or of a shard, does not hold.
 fn run_missing(
-    batch: &mut library::Batch,
+    batch: &mut library::execute::Batch,
     factories: &Arc<Factories>,
     jobs: usize,
     interruption: &Arc<Interruption>,
@@ -540,10 +542,10 @@ fn run_missing(
 }
 
 /// Starts a batch, or continues the same one where it was stopped.
-fn begin_or_go_on(plan: BatchPlan, path: &Path) -> Result<library::Batch, BatchError> {
+fn begin_or_go_on(plan: BatchPlan, path: &Path) -> Result<library::execute::Batch, BatchError> {
     if path.is_dir() && FinishedBatch::is_there(path) {
         BatchPlan::read(path)?.expect_same(&plan, path)?;
-        return library::Batch::resume(OutputFolder::existing(path)?, Slice::WHOLE);
+        return library::execute::Batch::resume(OutputFolder::existing(path)?, Slice::WHOLE);
     }
-    library::Batch::begin(plan, OutputFolder::named(path, false)?)
+    library::execute::Batch::begin(plan, OutputFolder::named(path, false)?)
 }

@@ -7,7 +7,8 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList};
-use wildfire::batch::{FileColumn, Kind, Value};
+use wildfire::batch::plan::Value;
+use wildfire::batch::table::{FileColumn, Kind};
 
 /// A column under construction.
 struct ColumnBuilder {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use wildfire::batch::comparison::{Amount, Questions, Selection, compare as library_compare};
-use wildfire::batch::{FileColumn, Kind, Unit};
+use wildfire::batch::table::{FileColumn, Kind, Unit};
 
 use crate::batch::{Batch, OneOrMore};
 use crate::columns::TableBuilder;
@@ -133,9 +133,9 @@ fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
 }
 
 fn columns() -> Vec<FileColumn> {
-    let column = |(name, kind, text): (&'static str, Kind, &'static str)| FileColumn {
+    let column = |(name, kind, description): (&'static str, Kind, &'static str)| FileColumn {
         name: Cow::Borrowed(name),
-        description: Cow::Borrowed(text),
+        description: Cow::Borrowed(description),
         unit: Unit::None,
         kind,
         is_required: false,

@@ -34,7 +34,7 @@ const NEAREST_GOAL_M: f64 = 30.0;
 const DRAWS: usize = 10_000;
 
 /// A drive under way.
-struct Drive {
+struct DriveUnderWay {
     checker: CollisionChecker,
     limits: SpeedLimits,
     pose: Pose,
@@ -46,7 +46,7 @@ struct Drive {
 pub struct Driver {
     scenario: Scenario,
     truck: usize,
-    drive: Option<Drive>,
+    drive: Option<DriveUnderWay>,
 }
 
 #[pymethods]
@@ -113,7 +113,7 @@ fn not_started() -> PyErr {
     PyIndexError::new_err("no drive has started: call reset first")
 }
 
-impl Drive {
+impl DriveUnderWay {
     /// Returns the goal's offset from the centre of the body, ahead and to the left, in metres.
     fn to_goal(&self) -> DVec2 {
         let away = self.goal.centre - self.checker.body().body_centre(self.pose);
@@ -136,7 +136,7 @@ impl Drive {
     }
 }
 
-fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<Drive, String> {
+fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<DriveUnderWay, String> {
     let terrain = Terrain::from_scenario(scenario, seed).map_err(|refusal| refusal.to_string())?;
     let settings = &scenario.unimog[truck];
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
@@ -159,5 +159,5 @@ fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<Drive, String> 
     let end = (0..DRAWS).map(|_| draw(&mut dice)).find(|pose| is_free(pose) && far(pose) >= NEAREST_GOAL_M + radius_m);
     let end = end.ok_or("found no place to drive to on this field")?;
     let goal = GoalDisc { centre: checker.body().body_centre(end), radius_m };
-    Ok(Drive { checker, limits: settings.speed_limits(), pose: start, goal })
+    Ok(DriveUnderWay { checker, limits: settings.speed_limits(), pose: start, goal })
 }

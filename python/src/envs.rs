@@ -44,7 +44,7 @@ struct History {
 }
 
 /// The parts of the arrays that belong to one lane.
-struct Board<'a> {
+struct LaneSlice<'a> {
     shared: SharedArrays<'a>,
     action_mask: &'a mut [i8],
     candidates: &'a mut [f32],
@@ -58,7 +58,7 @@ struct Board<'a> {
 
 /// What a lane does next.
 #[derive(Clone, Copy)]
-enum Task<'a> {
+enum LaneTask<'a> {
     Stay,
     Reset(u64),
     Restore(&'a SavedContest, Option<u32>),
@@ -67,7 +67,7 @@ enum Task<'a> {
 
 impl Lane {
     /// Takes a contest up; what is in the arrays was another one's.
-    fn begin(&mut self, episode: Episode, board: &mut Board<'_>) {
+    fn begin(&mut self, episode: Episode, board: &mut LaneSlice<'_>) {
         (self.points, self.time) = (episode.points(), episode.now());
         board.shared.cells.fill(0);
         board.shared.burning_s.fill(0.0);
@@ -78,7 +78,7 @@ impl Lane {
 }
 
 /// The settings that lanes share.
-struct Rules {
+struct LaneRules {
     scenario: Scenario,
     played: Vec<AgentId>,
     layout: Layout,
@@ -88,21 +88,21 @@ struct Rules {
     key: u64,
 }
 
-impl Rules {
+impl LaneRules {
     fn seats(&self) -> usize {
         if self.together { self.played.len() } else { 1 }
     }
 
-    fn carry_out(&self, lane: &mut Lane, task: Task<'_>, board: &mut Board<'_>) -> Result<(), RunError> {
+    fn carry_out(&self, lane: &mut Lane, task: LaneTask<'_>, board: &mut LaneSlice<'_>) -> Result<(), RunError> {
         match task {
-            Task::Stay => return Ok(()),
-            Task::Reset(seed) => {
+            LaneTask::Stay => return Ok(()),
+            LaneTask::Reset(seed) => {
                 lane.episode = None;
                 let episode = Episode::new(&self.scenario, seed, &RunOptions::default(), &self.played)?;
                 lane.history = History { seed, ..History::default() };
                 lane.begin(episode, board);
             }
-            Task::Restore(saved, future) => {
+            LaneTask::Restore(saved, future) => {
                 match &saved.episode {
                     Some(episode) => {
                         lane.history = saved.history.clone();
@@ -116,7 +116,7 @@ impl Rules {
                     lane.begin(episode, board);
                 }
             }
-            Task::Step(actions) => {
+            LaneTask::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
                 let mut choices = Vec::with_capacity(episode.pending().len());
                 for pending in episode.pending() {
@@ -139,15 +139,15 @@ impl Rules {
     }
 
     /// Plays a contest up to where it was saved.
-    fn play_again(&self, history: &History, lane: &mut Lane, board: &mut Board<'_>) -> Result<(), RunError> {
-        self.carry_out(lane, Task::Reset(history.seed), board)?;
+    fn play_again(&self, history: &History, lane: &mut Lane, board: &mut LaneSlice<'_>) -> Result<(), RunError> {
+        self.carry_out(lane, LaneTask::Reset(history.seed), board)?;
         let mut futures = history.futures.iter().copied().peekable();
         for step in 0..=history.actions.len() / self.seats() {
             while let Some((_, future)) = futures.next_if(|&(actions, _)| actions <= step * self.seats()) {
                 lane.episode = lane.episode.as_ref().map(|episode| episode.fork(Some(future))).transpose()?;
             }
             if let Some(actions) = history.actions.chunks_exact(self.seats()).nth(step) {
-                self.carry_out(lane, Task::Step(actions), board)?;
+                self.carry_out(lane, LaneTask::Step(actions), board)?;
             }
         }
         lane.history = history.clone();
@@ -158,7 +158,7 @@ impl Rules {
         if self.together { self.played.iter().position(|&played| played == agent) } else { Some(0) }
     }
 
-    fn observe(&self, lane: &mut Lane, board: &mut Board<'_>) {
+    fn observe(&self, lane: &mut Lane, board: &mut LaneSlice<'_>) {
         let Some(episode) = &lane.episode else { return };
         let pending =
             if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
@@ -188,7 +188,7 @@ impl Rules {
 }
 
 /// Arrays of all lanes, one after the other.
-struct Arrays {
+struct LaneArrays {
     cells: Py<PyArray1<u8>>,
     burning_s: Py<PyArray1<f32>>,
     agents: Py<PyArray1<f32>>,
@@ -234,10 +234,10 @@ impl SavedContest {
 /// Contests of one scenario side by side, played from outside. Observations are written into the same arrays.
 #[pyclass(module = "wildfire_contest")]
 pub struct Contests {
-    rules: Rules,
+    rules: LaneRules,
     lanes: Vec<Lane>,
     threads: usize,
-    arrays: Arrays,
+    arrays: LaneArrays,
 }
 
 #[pymethods]
@@ -290,10 +290,10 @@ impl Contests {
             duration: SimTime::from_seconds(scenario.duration_s),
         };
         let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together}");
-        let rules = Rules { scenario, played, layout, together, key: rng::key(0, &settings) };
+        let rules = LaneRules { scenario, played, layout, together, key: rng::key(0, &settings) };
         let cells = lanes * rules.layout.frame.cell_count();
         let seats = lanes * rules.seats();
-        let arrays = Arrays {
+        let arrays = LaneArrays {
             cells: zeros(py, cells),
             burning_s: zeros(py, cells),
             agents: zeros(py, lanes * rules.layout.agents * AGENT_NUMBERS),
@@ -390,7 +390,7 @@ impl Contests {
 
     /// Restarts contests, each with a seed; the others are unchanged.
     fn reset(&mut self, py: Python<'_>, resets: Vec<(usize, u64)>) -> PyResult<()> {
-        let tasks = self.tasks(&resets, |_| Task::Stay)?;
+        let tasks = self.tasks(&resets, |_| LaneTask::Stay)?;
         self.carry_out(py, tasks)
     }
 
@@ -413,7 +413,7 @@ impl Contests {
         if (0..self.lanes.len()).any(|lane| self.lanes[lane].episode.is_none() && !is_reset(lane)) {
             return Err(PyIndexError::new_err("there is no contest to play yet: call reset first"));
         }
-        let tasks = self.tasks(&resets, |lane| Task::Step(&actions[lane * seats..(lane + 1) * seats]))?;
+        let tasks = self.tasks(&resets, |lane| LaneTask::Step(&actions[lane * seats..(lane + 1) * seats]))?;
         self.carry_out(py, tasks)
     }
 
@@ -438,8 +438,8 @@ impl Contests {
             return Err(PyIndexError::new_err(format!("there is no contest {lane}")));
         }
         let tasks = (0..self.lanes.len()).map(|other| match other == lane {
-            true => Task::Restore(saved, future),
-            false => Task::Stay,
+            true => LaneTask::Restore(saved, future),
+            false => LaneTask::Stay,
         });
         self.carry_out(py, tasks.collect())
     }
@@ -469,23 +469,27 @@ impl Contests {
 }
 
 impl Contests {
-    fn tasks<'a>(&self, resets: &[(usize, u64)], otherwise: impl Fn(usize) -> Task<'a>) -> PyResult<Vec<Task<'a>>> {
-        let mut tasks: Vec<Task<'a>> = (0..self.lanes.len()).map(otherwise).collect();
+    fn tasks<'a>(
+        &self,
+        resets: &[(usize, u64)],
+        otherwise: impl Fn(usize) -> LaneTask<'a>,
+    ) -> PyResult<Vec<LaneTask<'a>>> {
+        let mut tasks: Vec<LaneTask<'a>> = (0..self.lanes.len()).map(otherwise).collect();
         for &(lane, seed) in resets {
             *tasks.get_mut(lane).ok_or_else(|| PyIndexError::new_err(format!("there is no contest {lane}")))? =
-                Task::Reset(seed);
+                LaneTask::Reset(seed);
         }
         Ok(tasks)
     }
 
-    fn carry_out(&mut self, py: Python<'_>, tasks: Vec<Task<'_>>) -> PyResult<()> {
+    fn carry_out(&mut self, py: Python<'_>, tasks: Vec<LaneTask<'_>>) -> PyResult<()> {
         let Self { rules, lanes, threads, arrays } = self;
         let mut open = OpenArrays::new(py, arrays);
         let boards = open.boards(rules, lanes.len())?;
         let mut work: Vec<_> = lanes.iter_mut().zip(boards).zip(tasks).collect();
         let rules = &*rules;
         let done = py.detach(|| {
-            let all = |work: &mut [((&mut Lane, Board<'_>), Task<'_>)]| {
+            let all = |work: &mut [((&mut Lane, LaneSlice<'_>), LaneTask<'_>)]| {
                 work.iter_mut().try_for_each(|((lane, board), task)| rules.carry_out(lane, *task, board))
             };
             let share = work.len().div_ceil(*threads);
@@ -518,7 +522,7 @@ struct OpenArrays<'py> {
 }
 
 impl<'py> OpenArrays<'py> {
-    fn new(py: Python<'py>, arrays: &Arrays) -> Self {
+    fn new(py: Python<'py>, arrays: &LaneArrays) -> Self {
         Self {
             cells: arrays.cells.bind(py).readwrite(),
             burning_s: arrays.burning_s.bind(py).readwrite(),
@@ -536,7 +540,7 @@ impl<'py> OpenArrays<'py> {
     }
 
     /// Divides the arrays among the lanes.
-    fn boards(&mut self, rules: &Rules, lanes: usize) -> PyResult<Vec<Board<'_>>> {
+    fn boards(&mut self, rules: &LaneRules, lanes: usize) -> PyResult<Vec<LaneSlice<'_>>> {
         let (layout, seats) = (&rules.layout, rules.seats());
         let cells = layout.frame.cell_count();
         let mut cell_codes = self.cells.as_slice_mut()?.chunks_exact_mut(cells);
@@ -554,7 +558,7 @@ impl<'py> OpenArrays<'py> {
         let mut turn = self.turn.as_slice_mut()?.iter_mut();
         let mut ended = self.ended.as_slice_mut()?.iter_mut();
         let boards = (0..lanes).map_while(|_| {
-            Some(Board {
+            Some(LaneSlice {
                 shared: SharedArrays {
                     cells: cell_codes.next()?,
                     burning_s: burning_s.next()?,

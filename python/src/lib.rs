@@ -57,6 +57,6 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("__version__", wildfire::batch::PROGRAM_VERSION)
+        module.add("__version__", wildfire::batch::plan::PROGRAM_VERSION)
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
-use wildfire::batch::{DRIVE_COLUMNS, DriveColumn, DriveProblems, DriveRequest};
+use wildfire::batch::drives::{DRIVE_COLUMNS, DriveColumn, DriveProblems, DriveRequest};
 use wildfire::planning::PlannerName;
 use wildfire::scenario::MemoryLimit;
 

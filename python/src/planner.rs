@@ -12,7 +12,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use rand::Rng;
-use wildfire::batch::{BatchPlan, Variant};
+use wildfire::batch::plan::{BatchPlan, Variant};
 use wildfire::collision::CollisionChecker;
 use wildfire::geometry::Pose;
 use wildfire::planning::judge::MAX_SEGMENTS;

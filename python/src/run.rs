@@ -9,10 +9,10 @@ use numpy::IntoPyArray;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
-use wildfire::batch::{
-    FileColumn, Kind, PLANNER_KEY, RUN_COLUMNS, RunDetail, RunLabel, RunObject, RunResult, RunRow, Unit, Value,
-    is_measured,
-};
+use wildfire::batch::execute::{RunDetail, RunResult, RunRow};
+use wildfire::batch::plan::{PLANNER_KEY, RunLabel, Value};
+use wildfire::batch::report::RunObject;
+use wildfire::batch::table::{FileColumn, Kind, RUN_COLUMNS, Unit, is_measured};
 use wildfire::picture::Picture;
 use wildfire::picture::film::{FrameLayout, FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::scenario as library;
@@ -77,7 +77,7 @@ impl Run {
     /// Returns notes for readers of the run's results.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.row.result.as_ref().map(wildfire::batch::notes).unwrap_or_default()
+        self.row.result.as_ref().map(wildfire::batch::report::notes).unwrap_or_default()
     }
 
     /// Returns the first 20 messages about failed queries of custom planners, such as why a path was rejected.
@@ -152,11 +152,11 @@ impl Run {
     /// ------
     /// ValueError
     ///     The time is outside the run, or the size is not allowed.
-    #[pyo3(signature = (at_s = None, size = Size::Side(1000)))]
-    fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: Size) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(signature = (at_s = None, size = PictureSize::Side(1000)))]
+    fn picture<'py>(&self, py: Python<'py>, at_s: Option<f64>, size: PictureSize) -> PyResult<Bound<'py, PyAny>> {
         let size @ (width, height) = match size {
-            Size::Side(side) => (side, side),
-            Size::Sides(width, height) => (width, height),
+            PictureSize::Side(side) => (side, side),
+            PictureSize::Sides(width, height) => (width, height),
         };
         let max = FrameLayout::MAX_SIDE;
         let min_width = FrameLayout::MIN_WIDTH;
@@ -215,7 +215,7 @@ type RunParts = (Vec<u8>, String, Vec<String>);
 
 /// The size of a picture in pixels.
 #[derive(FromPyObject)]
-enum Size {
+enum PictureSize {
     Side(u32),
     Sides(u32, u32),
 }
@@ -266,8 +266,8 @@ pub fn restored_run(bytes: &[u8], row: &str, messages: Vec<String>) -> PyResult<
     Ok(Run { timeline, row: serde_json::from_str(row).map_err(error)?, view: OnceLock::new(), messages })
 }
 
-fn column(name: &'static str, kind: Kind, unit: Unit, text: &'static str) -> FileColumn {
-    FileColumn { name: Cow::Borrowed(name), description: Cow::Borrowed(text), unit, kind, is_required: false }
+fn column(name: &'static str, kind: Kind, unit: Unit, description: &'static str) -> FileColumn {
+    FileColumn { name: Cow::Borrowed(name), description: Cow::Borrowed(description), unit, kind, is_required: false }
 }
 
 /// Reads back the table that `wildfire run --events` writes.

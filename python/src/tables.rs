@@ -1,9 +1,11 @@
 //! The tables of runs, with the columns of `runs.csv`, `agents.csv`, `planner_calls.parquet` and `states.parquet`.
 
 use pyo3::prelude::*;
-use wildfire::batch::{
-    AGENT_COLUMNS, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, Column, FileColumn, Kind, RUN_COLUMNS, RunRow,
-    STATE_COLUMNS, TableOfRows, Value,
+use wildfire::batch::execute::RunRow;
+use wildfire::batch::plan::Value;
+use wildfire::batch::table::{
+    AGENT_COLUMNS, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, Column, FileColumn, Kind, RUN_COLUMNS, STATE_COLUMNS,
+    TableOfRows,
 };
 
 use crate::columns::TableBuilder;

@@ -7,7 +7,7 @@ use clap::Args;
 
 use crate::cli::error::CliError;
 use crate::cli::numbers;
-use wildfire_batch::PaperCharts;
+use wildfire_batch::report::PaperCharts;
 use wildfire_picture::charts::PaperSize;
 use wildfire_planning::{NameError, PlannerName};
 use wildfire_sim::scenario::MemoryLimit;

@@ -8,7 +8,7 @@ use crate::cli::demo::expect_empty;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 use wildfire_base::whole_file::write_whole;
-use wildfire_batch::shell_word;
+use wildfire_batch::plan::shell_word;
 
 /// The number of seeds that are written: as many as the guide's course has.
 const SEEDS: u64 = 20;

@@ -16,8 +16,9 @@ use crate::cli::{numbers, terminal};
 use wildfire_base::document::number::{optional, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
+use wildfire_batch::decisions::{HindsightBound, attain_all};
+use wildfire_batch::execute::limit_threads;
 use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
-use wildfire_batch::{HindsightBound, attain_all, limit_threads};
 use wildfire_sim::scenario;
 
 #[derive(Debug, Args)]

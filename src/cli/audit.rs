@@ -16,10 +16,10 @@ use crate::cli::terminal::Progress;
 use crate::cli::{numbers, terminal};
 use wildfire_audit::SampleStep;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{
-    AuditOptions, AuditReport, AuditSource, FinishedBatch, FinishedError, LISTED_VIOLATIONS, PlanError,
-    RECORDINGS_FOLDER, Record, audit_all, recordings_in,
-};
+use wildfire_batch::execute::RECORDINGS_FOLDER;
+use wildfire_batch::plan::{PlanError, Record};
+use wildfire_batch::report::{AuditOptions, AuditReport, AuditSource, LISTED_VIOLATIONS, audit_all};
+use wildfire_batch::table::{FinishedBatch, FinishedError, recordings_in};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -19,7 +19,8 @@ use wildfire_base::input_file;
 use wildfire_base::object;
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::write_whole;
-use wildfire_batch::{Attempt, DriveTable, PROGRAM_VERSION, PlannerSummary, shortened_field};
+use wildfire_batch::drives::{Attempt, DriveTable, PlannerSummary, shortened_field};
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::Goal;
 use wildfire_planning::certificate::Certificate;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker, MIN_CLEARANCE_M};
@@ -148,7 +149,7 @@ pub fn judge(path: &Path, problems: &[Problem], fields: &[PathBuf], form: FormAr
         };
         let problem = &problems[index];
         let checker = cached.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, cached)| cached);
-        rows.push(Checked::new(certified, (problem.start, goal), &checker));
+        rows.push(CertificateCheck::new(certified, (problem.start, goal), &checker));
         cached = Some((index, checker));
     }
     let report = CertificateReport { rows };
@@ -159,7 +160,7 @@ pub fn judge(path: &Path, problems: &[Problem], fields: &[PathBuf], form: FormAr
 
 /// A certificate that was checked.
 #[derive(Debug, Serialize)]
-struct Checked {
+struct CertificateCheck {
     field: String,
     goal: usize,
     certified_bound_m: f64,
@@ -169,7 +170,7 @@ struct Checked {
     fault: Option<String>,
 }
 
-impl Checked {
+impl CertificateCheck {
     fn new(Certified { field, goal, certificate }: Certified, ends: (Pose, Goal), checker: &CollisionChecker) -> Self {
         let numbers = |pose: Pose| [pose.x, pose.y, pose.heading];
         let matches = certificate.start == numbers(ends.0)
@@ -186,7 +187,7 @@ impl Checked {
 
 /// All certificates of a file.
 struct CertificateReport {
-    rows: Vec<Checked>,
+    rows: Vec<CertificateCheck>,
 }
 
 impl Serialize for CertificateReport {
@@ -198,14 +199,14 @@ impl Serialize for CertificateReport {
 impl From<&CertificateReport> for Document {
     /// A row for each certificate if they are not too many, and what is wrong.
     fn from(report: &CertificateReport) -> Self {
-        let faults: Vec<&Checked> = report.rows.iter().filter(|row| row.fault.is_some()).collect();
+        let faults: Vec<&CertificateCheck> = report.rows.iter().filter(|row| row.fault.is_some()).collect();
         let sound = report.rows.len() - faults.len();
         let mut document = Self::new(match report.rows.len() {
             0 => "No certificate was checked".to_owned(),
             all => format!("{sound} of {} hold", count(all, "certificate")),
         });
         if (1..=SHOWN_ROWS).contains(&report.rows.len()) {
-            let cells = |row: &Checked| {
+            let cells = |row: &CertificateCheck| {
                 let verdict = if row.fault.is_some() { "refused" } else { "holds" };
                 let numbers = [row.goal.to_string(), rounded(row.certified_bound_m, 3), rounded(row.clearance_m, 3)];
                 let [goal, bound, clearance] = numbers;

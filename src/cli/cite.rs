@@ -8,7 +8,8 @@ use serde::Serialize;
 
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use wildfire_batch::{BatchError, BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, planner_of};
+use wildfire_batch::execute::BatchError;
+use wildfire_batch::plan::{BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, planner_of};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -9,8 +9,8 @@ use std::fmt::Write;
 use clap::{Arg, Command, ValueHint};
 use clap_complete::Shell;
 
-use wildfire_batch::RUN_COLUMNS;
 use wildfire_batch::comparison::NAMED_METRICS;
+use wildfire_batch::table::RUN_COLUMNS;
 use wildfire_planning::TruckPlannerKind;
 use wildfire_sim::scenario::{BUILT_IN, DispatchPolicy, IdleRule, TruckGoal, WumpusGoal};
 

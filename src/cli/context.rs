@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use crate::cli::args::ProgramArguments;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use wildfire_batch::{BatchPlan, custom_names};
+use wildfire_batch::drives::custom_names;
+use wildfire_batch::plan::BatchPlan;
 use wildfire_planning::{PlannerName, Planners};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};

@@ -11,7 +11,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
 use wildfire_base::untrusted::visible;
-use wildfire_batch::shell_word;
+use wildfire_batch::plan::shell_word;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -25,32 +25,35 @@ pub struct DemoArguments {
 }
 
 /// A command of the demonstration, and what is said before it.
-struct Step {
+struct DemoStep {
     why: &'static str,
     /// Words after `wildfire`; `DIR` stands for the folder.
     command: &'static str,
 }
 
-const STEPS: [Step; 7] = [
-    Step {
+const STEPS: [DemoStep; 7] = [
+    DemoStep {
         why: "An arsonist and a fire truck, for an hour. Who wins, and what did planning cost?",
         command: "run contest --seed 7 --out DIR/run.wildfire",
     },
-    Step {
+    DemoStep {
         why: "The same run to watch: a page for any browser, and a picture after ten minutes.",
         command: "render DIR/run.wildfire --page DIR/run.html --out DIR/run.png --at 600",
     },
-    Step { why: "Did anyone cheat? Independent code checks every leg, every 2 cm.", command: "audit DIR/run.wildfire" },
-    Step {
+    DemoStep {
+        why: "Did anyone cheat? Independent code checks every leg, every 2 cm.",
+        command: "audit DIR/run.wildfire",
+    },
+    DemoStep {
         why: "One run proves little. Two planners, thirty fields each.",
         command: "batch contest --seeds 1..30 --planner hybrid-astar,prm+primitives --out DIR/batch",
     },
-    Step {
+    DemoStep {
         why: "Which is better? A paired comparison on the same fields, with an interval.",
         command: "compare DIR/batch --metric saved,truck_distance_m",
     },
-    Step { why: "All of this as a page with charts, to pass on.", command: "report DIR/batch --pages" },
-    Step {
+    DemoStep { why: "All of this as a page with charts, to pass on.", command: "report DIR/batch --pages" },
+    DemoStep {
         why: "Single drives between bushes, two planners side by side.",
         command: "plan --goals 8 --planner hybrid-astar,prm-rs --png DIR/drives.png",
     },
@@ -88,7 +91,7 @@ pub fn run(
     })?;
     let shown = folder.display().to_string();
     let quiet = CommandContext::new(true, context.registry.clone());
-    for (index, Step { why, command }) in STEPS.iter().enumerate() {
+    for (index, DemoStep { why, command }) in STEPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let typed = command.replace("DIR", &shell_word(&shown));
         terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
@@ -132,7 +135,7 @@ mod tests {
 
     #[test]
     fn the_commands_of_the_demonstration_are_commands() {
-        for Step { command, .. } in STEPS {
+        for DemoStep { command, .. } in STEPS {
             let args = command.split(' ').map(|word| in_folder(word, Path::new("folder")));
             let args = std::iter::once(OsString::from("wildfire")).chain(args);
             Arguments::try_parse_from(args).expect(command);

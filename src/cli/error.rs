@@ -10,9 +10,11 @@ use terminal_size::{Width, terminal_size_of};
 
 use crate::cli::next_command::help_on_unfinished;
 use wildfire_base::untrusted::visible;
-use wildfire_batch::{
-    AuditsError, BatchError, DriveError, FinishedError, JournalError, PlanError, RequestError, TableError,
-};
+use wildfire_batch::drives::DriveError;
+use wildfire_batch::execute::{BatchError, JournalError};
+use wildfire_batch::plan::{PlanError, RequestError};
+use wildfire_batch::report::AuditsError;
+use wildfire_batch::table::{FinishedError, TableError};
 use wildfire_grid::map_files::{self, MapError};
 use wildfire_sim::scenario::{Fault, ScenarioError, SourceLocation, nearest_name};
 use wildfire_timeline::export::ExportError;

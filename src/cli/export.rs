@@ -80,7 +80,7 @@ fn parse_step(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &ExportArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
-    let outputs = Outputs::checked(arguments)?;
+    let outputs = ExportOutput::checked(arguments)?;
     let source = source_of_runs(&arguments.source, &arguments.overrides, arguments.memory.memory, context)?;
     if let Some(note) = source.note().filter(|_| !context.quiet) {
         terminal::note(&note);
@@ -92,14 +92,14 @@ pub fn run(arguments: &ExportArguments, context: &CommandContext) -> Result<Exit
 }
 
 /// The files that are to be written.
-enum Outputs {
+enum ExportOutput {
     Json(PathBuf),
     Npz(PathBuf),
     Mcap(PathBuf),
     Csv { events: PathBuf, trace: PathBuf },
 }
 
-impl Outputs {
+impl ExportOutput {
     /// Checks what can be checked before anything is simulated.
     fn checked(arguments: &ExportArguments) -> Result<Self, CliError> {
         let out = &arguments.out;

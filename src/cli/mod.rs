@@ -85,7 +85,7 @@ use shell::{CompletionsArguments, ManArguments};
 use why::WhyArguments;
 
 use wildfire_base::untrusted::visible;
-use wildfire_batch::LONG_VERSION;
+use wildfire_batch::plan::LONG_VERSION;
 use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::supervisor;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use wildfire_batch::{BatchStatus, OutputFolder, Slice, SliceState, batch_status, shell_word};
+use wildfire_batch::execute::{BatchStatus, OutputFolder, SliceState, batch_status};
+use wildfire_batch::plan::{Slice, shell_word};
 
 /// The command that goes on with a slice of the batch in a folder.
 pub fn resume_command(folder: &Path, slice: Slice) -> String {

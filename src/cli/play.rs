@@ -66,7 +66,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
 pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> {
     use crate::cli::error::exit;
     use crate::cli::terminal;
-    use wildfire_batch::shell_word;
+    use wildfire_batch::plan::shell_word;
 
     let args = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
     let args = args.join(" ");

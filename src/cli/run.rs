@@ -19,7 +19,10 @@ use crate::cli::show::parse_agent;
 use wildfire_base::document::number::{percent, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::wall::WallStopwatch;
-use wildfire_batch::{Failures, RunLabel, RunObject, RunRecord, RunResult, RunRow, Status, file_name_of, notes};
+use wildfire_batch::execute::{RunResult, RunRow, Status, file_name_of};
+use wildfire_batch::plan::RunLabel;
+use wildfire_batch::report::{Failures, RunObject, notes};
+use wildfire_batch::table::RunRecord;
 use wildfire_sim::RunOptions;
 use wildfire_sim::scenario::{self, Scenario};
 use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
@@ -86,7 +89,7 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     };
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
-    let (outputs, stream) = Outputs::checked(arguments, &scenario, seed)?;
+    let (outputs, stream) = RunOutputs::checked(arguments, &scenario, seed)?;
     let (row, timeline) = run_once(&scenario, seed, &options)?;
     if let Some((path, question)) = replay.and_then(|(path, unanswered)| Some((path, unanswered.take()?))) {
         let sentence = format!("{}: the game stops before the end of the run: {question}", path.display());
@@ -122,7 +125,7 @@ fn run_once(scenario: &Scenario, seed: u64, options: &RunOptions) -> Result<(Run
 }
 
 /// The files that one run was asked for.
-struct Outputs<'a> {
+struct RunOutputs<'a> {
     recording: Option<PathBuf>,
     events: Option<&'a Path>,
     trace: Option<&'a Path>,
@@ -130,7 +133,7 @@ struct Outputs<'a> {
     agents: &'a [AgentId],
 }
 
-impl<'a> Outputs<'a> {
+impl<'a> RunOutputs<'a> {
     /// Checks what can be checked before the run, and returns where its words go.
     fn checked(arguments: &'a RunArguments, scenario: &Scenario, seed: u64) -> Result<(Self, ReportStream), CliError> {
         let step_s = arguments.step;

@@ -19,10 +19,9 @@ use serde::{Serialize, Serializer};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 use wildfire_base::time::SimTime;
-use wildfire_batch::{
-    DECISIONS_PARQUET, DecisionTally, FinishedBatch, JudgeError, JudgeProgress, SelectedDecisions, judge_batch,
-    limit_threads,
-};
+use wildfire_batch::decisions::{DecisionTally, JudgeError, JudgeProgress, SelectedDecisions, judge_batch};
+use wildfire_batch::execute::{DECISIONS_PARQUET, limit_threads};
+use wildfire_batch::table::FinishedBatch;
 use wildfire_sim::RunOptions;
 use wildfire_timeline::AgentId;
 

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, Record, Slice};
+use wildfire::batch::execute::{Batch, BatchError, JournalError, OutputFolder};
+use wildfire::batch::plan::{Record, Slice};
 
 use crate::made_up::{made_up_run, plan};
 

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use wildfire::batch::{Append, Batch, BatchError, Disk, OutputFolder, RealDisk, Record, Slice, Whole};
+use wildfire::batch::execute::{Append, Batch, BatchError, Disk, OutputFolder, RealDisk, Whole};
+use wildfire::batch::plan::{Record, Slice};
 
 use crate::made_up::{made_up_run, outcomes, plan, run};
 

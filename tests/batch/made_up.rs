@@ -5,7 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use wildfire::batch::{Batch, BatchError, BatchPlan, OutputFolder, Record, RunScenario, VariantReport, is_measured};
+use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
+use wildfire::batch::plan::{BatchPlan, Record};
+use wildfire::batch::report::VariantReport;
+use wildfire::batch::table::is_measured;
 use wildfire::geometry::{Cell, FieldFrame, Pose};
 use wildfire::scenario::Scenario;
 use wildfire::sim::{AgentCost, FailureMessages, Run, RunCost, RunError};

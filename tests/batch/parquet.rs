@@ -7,7 +7,7 @@ use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use parquet::schema::types::ColumnDescPtr;
-use wildfire::batch::{BatchPlan, BatchRequest, COMMIT, COMPILER, PROGRAM_VERSION, Record, Sweep};
+use wildfire::batch::plan::{BatchPlan, BatchRequest, COMMIT, COMPILER, PROGRAM_VERSION, Record, Sweep};
 use wildfire::sim;
 
 use crate::made_up::{made_up_run, plan, rows, run_plan};

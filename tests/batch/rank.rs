@@ -4,8 +4,8 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use wildfire::batch::BatchRequest;
 use wildfire::batch::comparison::{Better, Comparison, Ranking, RankingRequest, Selection, compare, rank};
+use wildfire::batch::plan::BatchRequest;
 
 const HEADER: &str = "scenario,seed,run,planner,status,message,intact,burning,burned_out,extinguished,ended_s,\
                       mean_response_s,first_fire_s,all_out_s,winner,truck_plans,truck_failed_goal_blocked,\

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use wildfire::batch::{Batch, BatchError, OutputFolder, Record, RunScenario, Slice};
+use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
+use wildfire::batch::plan::{Record, Slice};
 use wildfire::scenario::Scenario;
 use wildfire::sim::{Run, RunError};
 

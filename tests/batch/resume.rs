@@ -5,7 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use wildfire::batch::{Batch, BatchError, JournalError, OutputFolder, PlanError, Record, Slice};
+use wildfire::batch::execute::{Batch, BatchError, JournalError, OutputFolder};
+use wildfire::batch::plan::{PlanError, Record, Slice};
 
 use crate::made_up::{made_up_run, made_up_runs_until, outcomes, plan, run};
 
@@ -130,9 +131,9 @@ fn changed_scenario_is_refused_with_the_difference() {
     let source = scratch.path().join("mine.toml");
     let smoke = wildfire::scenario::BUILT_IN.iter().find(|(name, _)| *name == "smoke").expect("it is built in").1;
     fs::write(&source, smoke).expect("writable");
-    let request = wildfire::batch::BatchRequest {
+    let request = wildfire::batch::plan::BatchRequest {
         scenarios: vec![source.display().to_string()],
-        ..wildfire::batch::BatchRequest::default()
+        ..wildfire::batch::plan::BatchRequest::default()
     };
     let plan = request.resolve(false).expect("a small batch");
     drop(Batch::begin(plan, folder(&scratch.path().join("out"))).expect("the disk is fine"));

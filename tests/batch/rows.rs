@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use wildfire::batch::{
-    AGENT_COLUMNS, Batch, BatchError, CALL_COLUMNS, OutputFolder, RUN_COLUMNS, Record, Status, VariantReport,
-    is_measured,
-};
+use wildfire::batch::execute::{Batch, BatchError, OutputFolder, Status};
+use wildfire::batch::plan::Record;
+use wildfire::batch::report::VariantReport;
+use wildfire::batch::table::{AGENT_COLUMNS, CALL_COLUMNS, RUN_COLUMNS, is_measured};
 use wildfire::document::Document;
 use wildfire::scenario::{Scenario, Unimog};
 use wildfire::sim::RunError;
@@ -152,7 +152,9 @@ fn every_run_is_reported_as_it_ends() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let folder = OutputFolder::named(scratch.path(), false).expect("a scratch folder");
     let (mut done, mut others) = (0, 0);
-    let count = |end: wildfire::batch::RunEnd| *(if end.status == Status::Done { &mut done } else { &mut others }) += 1;
+    let count = |end: wildfire::batch::execute::RunEnd| {
+        *(if end.status == Status::Done { &mut done } else { &mut others }) += 1
+    };
     let mut batch = Batch::begin(plan("1..100", Record::None), folder).expect("the disk is fine");
     batch.run_with(Box::new(made_up_run), 2, &Arc::default(), count).expect("the disk is fine");
     assert_eq!((done, others), (89, 11));

@@ -8,10 +8,11 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use rand::seq::SliceRandom;
-use wildfire::batch::{
-    Batch, BatchError, BatchPlan, JournalError, JournalKeeping, JournalScan, Lock, Merged, OutputFolder, RealDisk,
-    Record, Slice, batch_status, merge, read_rows,
+use wildfire::batch::execute::{
+    Batch, BatchError, JournalError, JournalKeeping, JournalScan, Lock, OutputFolder, RealDisk, batch_status,
 };
+use wildfire::batch::plan::{BatchPlan, Record, Slice};
+use wildfire::batch::report::{Merged, merge, read_rows};
 
 use crate::made_up::{made_up_run, made_up_runs_until, outcomes, plan, run};
 

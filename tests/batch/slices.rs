@@ -4,7 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use wildfire::batch::{Batch, BatchError, BatchReport, OutputFolder, PlanError, RealDisk, Record, Slice, merge};
+use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RealDisk};
+use wildfire::batch::plan::{PlanError, Record, Slice};
+use wildfire::batch::report::{BatchReport, merge};
 
 use crate::made_up::{made_up_run, outcomes, plan, run};
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 use wildfire::batch::arena::{ARENA_VERSION, ArenaRow, HASHED_COLUMNS, TRACKS, TrackKind};
-use wildfire::batch::{RUN_COLUMNS, is_measured};
+use wildfire::batch::table::{RUN_COLUMNS, is_measured};
 
 use crate::story::Story;
 

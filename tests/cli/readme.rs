@@ -17,7 +17,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use wildfire::batch::{AGENT_COLUMNS, RUN_COLUMNS};
+use wildfire::batch::table::{AGENT_COLUMNS, RUN_COLUMNS};
 use wildfire::picture::film::{BINDINGS, Layer};
 use wildfire::scenario::BUILT_IN;
 

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use clap::CommandFactory;
 use serde_json::Value as Json;
-use wildfire::batch::{AGENT_COLUMNS, DRIVE_COLUMNS, is_measured};
+use wildfire::batch::drives::DRIVE_COLUMNS;
+use wildfire::batch::table::{AGENT_COLUMNS, is_measured};
 use wildfire::cli::Arguments;
 
 use crate::children::{output_of, program};

@@ -364,7 +364,8 @@ fn a_wumpus_that_runs_or_lights_in_passing_is_found() {
     let found = violation(&timeline);
     assert!(matches!(found.kind, ViolationKind::Speed { .. }) && found.agent == Some(id), "{found}");
     let mut timeline = contest();
-    let is_ignition = |event: &Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Agent(_), .. }));
+    let is_ignition =
+        |event: &Event| matches!(event.fact, Fact::Fire(FireFact::Ignited { cause: Cause::Agent(_), .. }));
     let place = first(&timeline, is_ignition);
     let event = timeline.events.remove(place);
     timeline.events.insert(place, Event { time: timeline.events[place - 1].time, ..event });

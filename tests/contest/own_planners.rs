@@ -5,7 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
 
 use wildfire::audit_timeline;
-use wildfire::batch::{Batch, BatchPlan, FinishedBatch, OutputFolder, Record};
+use wildfire::batch::execute::{Batch, OutputFolder};
+use wildfire::batch::plan::{BatchPlan, Record};
+use wildfire::batch::table::FinishedBatch;
 use wildfire::planning::{
     CpuSource, Effort, Goal, GoalDisc, MakeError, Plan, PlanFailure, PlannerContext, PlannerName, Planners, QueryCpu,
     TruckPlanner,
@@ -124,7 +126,7 @@ fn a_batch_runs_planners_of_ones_own_and_its_rows_are_those_of_single_runs() {
     for run in runs {
         let row = rows.next(&run).expect("it is there");
         let alone = sim::run_with(&scenario, run.seed, &planners).expect("it takes place");
-        let extinguished = row.number(wildfire::batch::run_column("extinguished"));
+        let extinguished = row.number(wildfire::batch::table::run_column("extinguished"));
         assert_eq!(extinguished, Some(Outcome::new(&alone.timeline).extinguished.into()), "seed {}", run.seed);
     }
 }

@@ -6,7 +6,9 @@
 
 use std::path::Path as FilePath;
 
-use wildfire::batch::{RUN_COLUMNS, RunLabel, RunResult, RunRow, is_measured};
+use wildfire::batch::execute::{RunResult, RunRow};
+use wildfire::batch::plan::RunLabel;
+use wildfire::batch::table::{RUN_COLUMNS, is_measured};
 use wildfire::geometry::{Cell, DVec2, Pose};
 use wildfire::planning::{Goal, GoalDisc, MakeError, Plan, PlanFailure, PlannerContext, Planners, TruckPlanner};
 use wildfire::scenario::load;

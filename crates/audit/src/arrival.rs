@@ -186,7 +186,7 @@ pub fn cells_within(reach: i32, frame: FieldFrame, cell: Cell) -> impl Iterator<
 
 /// The straight line from a neighbour to a cell, whose offset is zero.
 #[derive(Clone, Debug)]
-struct Line {
+struct StraightLine {
     /// From the cell to where the line begins.
     cols: i32,
     rows: i32,
@@ -198,7 +198,7 @@ struct Line {
     corners: Vec<[(i32, i32); 2]>,
 }
 
-impl Line {
+impl StraightLine {
     fn new(cols: i32, rows: i32, cell_m: f64) -> Self {
         // It leaves columns (rows) at odd parts of twice their number; written in parts of all of them.
         let whole = 2 * cols.abs().max(1) * rows.abs().max(1);
@@ -276,8 +276,8 @@ pub struct Arrivals<'a> {
     /// By cell index: whether all cells in reach have its fuel.
     is_alike: Vec<bool>,
     /// In all directions that any weather asks for, and round the cell.
-    lines: Vec<Line>,
-    disc: Vec<Line>,
+    lines: Vec<StraightLine>,
+    disc: Vec<StraightLine>,
     /// By interval of the weather: the place of its lines among all that there are.
     set_of: Vec<usize>,
     sets: Vec<LineSet>,
@@ -364,13 +364,13 @@ impl<'a> Arrivals<'a> {
                 let existing = self.lines.iter().position(|line| (line.cols, line.rows) == (-cols, -rows));
                 lines.push(existing.unwrap_or(self.lines.len()));
                 if existing.is_none() {
-                    self.lines.push(Line::new(-cols, -rows, cell_m));
+                    self.lines.push(StraightLine::new(-cols, -rows, cell_m));
                 }
             }
             let disc = directions.exact_offsets();
             for &(cols, rows) in &disc {
                 if !self.disc.iter().any(|line| (line.cols, line.rows) == (-cols, -rows)) {
-                    self.disc.push(Line::new(-cols, -rows, cell_m));
+                    self.disc.push(StraightLine::new(-cols, -rows, cell_m));
                 }
             }
             let is_of_disc = self.disc.iter().map(|line| disc.contains(&(-line.cols, -line.rows))).collect();
@@ -560,7 +560,7 @@ impl<'a> Arrivals<'a> {
     }
 
     /// A line by its number, those of the disc after the others.
-    fn line(&self, number: usize) -> &Line {
+    fn line(&self, number: usize) -> &StraightLine {
         self.lines.get(number).unwrap_or_else(|| &self.disc[number - self.lines.len()])
     }
 

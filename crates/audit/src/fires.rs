@@ -25,7 +25,7 @@ enum Bush {
 ///
 /// Where a recording does not hold the rules of fire, only what burns and what does not is checked.
 pub fn audit_fires(timeline: &Timeline) -> Result<(), Violation> {
-    let mut fires = Fires::new(&timeline.setting);
+    let mut fires = FollowedFires::new(&timeline.setting);
     for event in &timeline.events {
         fires.pass(event.time)?;
         fires.record(event)?;
@@ -34,7 +34,7 @@ pub fn audit_fires(timeline: &Timeline) -> Result<(), Violation> {
     fires.pass(timeline.end_time() + SimTime::from_nanos(1))
 }
 
-struct Fires<'a> {
+struct FollowedFires<'a> {
     setting: &'a Setting,
     rules: Option<FireRules>,
     /// In the order of the setting's bushes.
@@ -44,7 +44,7 @@ struct Fires<'a> {
     looks: u64,
 }
 
-impl<'a> Fires<'a> {
+impl<'a> FollowedFires<'a> {
     fn new(setting: &'a Setting) -> Self {
         let bushes = vec![Bush::Intact; setting.bushes.len()];
         Self { setting, rules: setting.rules.fire, bushes, due: BTreeSet::new(), looks: 0 }

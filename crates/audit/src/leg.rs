@@ -134,7 +134,7 @@ impl LegAudit<'_> {
             return Err(now.broken(ViolationKind::NotANumber));
         }
         self.check_curvature(&segment).map_err(|kind| now.broken(kind))?;
-        let way = Way::new(segment, self.step);
+        let way = SteppedSegment::new(segment, self.step);
         if way.count * work_of_pose(self.field) > MAX_WORK {
             return Err(now.broken(ViolationKind::Endless));
         }
@@ -210,7 +210,7 @@ fn check_state(leg: &Trajectory, elapsed_s: f64, at: UnitPose, tolerance: Tolera
 }
 
 /// A segment in steps of equal length: each turns the body by the same angle along a chord of the same length.
-struct Way {
+struct SteppedSegment {
     /// A whole number.
     count: f64,
     curvature: f64,
@@ -218,7 +218,7 @@ struct Way {
     step: ArcStep,
 }
 
-impl Way {
+impl SteppedSegment {
     fn new(segment: Segment, step: SampleStep) -> Self {
         let turned = (segment.curvature * segment.length_m).abs();
         let count = (segment.length_m.abs() / step.metres).max(turned / step.degrees.to_radians()).ceil().max(1.0);
@@ -316,7 +316,7 @@ mod tests {
         for (curvature, length_m) in ways {
             let start = Pose::new(3.0, -2.0, 2.9);
             let segment = segment(curvature, length_m);
-            let way = Way::new(segment, SampleStep::default());
+            let way = SteppedSegment::new(segment, SampleStep::default());
             let mut at = UnitPose::new(start);
             for step in 1..=way.count as u64 {
                 at = way.advance(UnitPose::new(start), at, step);
@@ -333,7 +333,7 @@ mod tests {
             let start = Pose::new(20_000.0, 30_000.0, 0.7);
             let segment = segment(curvature, length_m);
             let leg = Trajectory::from_path(&Path { start, segments: vec![segment] }, SimTime::ZERO, LIMITS);
-            let way = Way::new(segment, SampleStep::default());
+            let way = SteppedSegment::new(segment, SampleStep::default());
             let start = UnitPose::new(start);
             let at = (1..=way.count as u64).fold(start, |at, step| way.advance(start, at, step));
             let end = UnitPose::new(leg.end());

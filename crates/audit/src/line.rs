@@ -12,7 +12,7 @@ const CELLS_A_WIDTH: f64 = 3.0;
 
 /// A flank as it was followed so far.
 #[derive(Clone, Copy)]
-struct Flank {
+struct FollowedFlank {
     first: DVec2,
     /// The length up to the first cell, as what burned before it is a gap.
     first_m: f64,
@@ -33,7 +33,7 @@ pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
         let along_m = f64::from(along_mm) / 1000.0;
         let rules = setting.line.as_ref().filter(|rules| holds || rules.can_be_lost);
         flanks.resize(flanks.len().max(number + 1), None);
-        let built = Flank { first: place, first_m: along_m, last: place, along_m, cells: 0.0 };
+        let built = FollowedFlank { first: place, first_m: along_m, last: place, along_m, cells: 0.0 };
         if !rules.is_some_and(|rules| follow(&mut flanks, number, built, rules, time, frame.cell_m)) {
             return Err(Violation { time, agent: None, place, kind: ViolationKind::WrongLine { cell } });
         }
@@ -43,18 +43,18 @@ pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
 
 /// Takes in a finished cell, at which a flank would begin if it had not; returns false if crews cannot have built it by then.
 fn follow(
-    flanks: &mut [Option<Flank>],
+    flanks: &mut [Option<FollowedFlank>],
     number: usize,
-    built: Flank,
+    built: FollowedFlank,
     rules: &LineRules,
     time: SimTime,
     cell_m: f64,
 ) -> bool {
-    let Flank { last: place, along_m, .. } = built;
-    let Flank { first, first_m, last, along_m: before_m, cells } =
-        flanks[number].unwrap_or(Flank { along_m: 0.0, ..built });
-    flanks[number] = Some(Flank { first, first_m, cells: cells + 1.0, ..built });
-    let built_m = |flanks: &[Option<Flank>]| flanks.iter().flatten().map(|flank| flank.along_m).sum::<f64>();
+    let FollowedFlank { last: place, along_m, .. } = built;
+    let FollowedFlank { first, first_m, last, along_m: before_m, cells } =
+        flanks[number].unwrap_or(FollowedFlank { along_m: 0.0, ..built });
+    flanks[number] = Some(FollowedFlank { first, first_m, cells: cells + 1.0, ..built });
+    let built_m = |flanks: &[Option<FollowedFlank>]| flanks.iter().flatten().map(|flank| flank.along_m).sum::<f64>();
     let beside_m = BESIDE * cell_m;
     // Crews get on while they build: up to the first cell, and along lines before this one, which has two flanks.
     let on_way_m = beside_m + first_m + built_m(&flanks[..number / 2 * 2]);

@@ -9,21 +9,22 @@ use wildfire_base::time::SimTime;
 const MAX_LOOKS: u64 = 1_000_000_000;
 
 /// A truck on its way, and its body.
-pub struct Driver<'a> {
+pub struct MovingTruck<'a> {
     pub driven: &'a DrivenLegs<'a>,
     pub outline: Outline,
 }
 
 /// Checks that no two trucks overlap until `end`; the violation is the first overlap of any two.
-pub fn audit_meetings(drivers: &[Driver<'_>], end: SimTime, step: SampleStep) -> Result<(), Violation> {
+pub fn audit_meetings(drivers: &[MovingTruck<'_>], end: SimTime, step: SampleStep) -> Result<(), Violation> {
     let pairs = (0..drivers.len()).flat_map(|one| (one + 1..drivers.len()).map(move |other| (one, other)));
-    let violations = pairs.filter_map(|(one, other)| Pair::new(&drivers[one], &drivers[other], step).audit(end).err());
+    let violations =
+        pairs.filter_map(|(one, other)| MeetingPair::new(&drivers[one], &drivers[other], step).audit(end).err());
     violations.min_by_key(|violation| violation.time).map_or(Ok(()), Err)
 }
 
-struct Pair<'a> {
-    one: &'a Driver<'a>,
-    other: &'a Driver<'a>,
+struct MeetingPair<'a> {
+    one: &'a MovingTruck<'a>,
+    other: &'a MovingTruck<'a>,
     /// Sum of the radii of the circles about the bodies.
     radii_m: f64,
     /// Speed at which the centres can approach each other, in m/s.
@@ -32,8 +33,8 @@ struct Pair<'a> {
     shortest_s: f64,
 }
 
-impl<'a> Pair<'a> {
-    fn new(one: &'a Driver<'a>, other: &'a Driver<'a>, step: SampleStep) -> Self {
+impl<'a> MeetingPair<'a> {
+    fn new(one: &'a MovingTruck<'a>, other: &'a MovingTruck<'a>, step: SampleStep) -> Self {
         let speeds = [one, other].map(|driver| {
             let (speed, curvature) = driver.driven.extremes();
             // The centre of the body swings about the origin that drives.

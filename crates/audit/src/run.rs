@@ -6,7 +6,7 @@ use super::fires::audit_fires;
 use super::ground::audit_ground;
 use super::leg::{MotionLimits, SampleStep, audit_leg, work_of_pose};
 use super::line::audit_line;
-use super::meeting::{Driver, audit_meetings};
+use super::meeting::{MovingTruck, audit_meetings};
 use super::spread::audit_spread;
 use super::suppression::audit_acts;
 use super::water::audit_water;
@@ -44,7 +44,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         let legs = audit_legs(driven, &field, &motion(agent), step, &mut audited);
         violations.push(legs.and_then(|()| audit_ground(setting, driven, agent.limits)).err());
         if let Body::Truck(_) = agent.body {
-            drivers.push(Driver { driven, outline });
+            drivers.push(MovingTruck { driven, outline });
         }
     }
     violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());

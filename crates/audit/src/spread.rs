@@ -25,7 +25,7 @@ const MAX_LOOKS: u64 = 2_000_000_000;
 
 /// The state of a cell, as this check follows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum CellState {
+enum FollowedCell {
     Intact,
     /// It burns out by itself then; [`SimTime::MAX`] if never.
     Burning {
@@ -74,7 +74,7 @@ struct States<'a> {
     /// By cell index.
     is_bush: Vec<bool>,
     has_fuel: Vec<bool>,
-    states: Vec<CellState>,
+    states: Vec<FollowedCell>,
     wet_until: Vec<SimTime>,
 }
 
@@ -96,7 +96,7 @@ impl<'a> States<'a> {
             has_embers,
             is_bush,
             has_fuel,
-            states: vec![CellState::Intact; cells],
+            states: vec![FollowedCell::Intact; cells],
             wet_until: vec![SimTime::ZERO; cells],
         }
     }
@@ -109,48 +109,48 @@ impl<'a> States<'a> {
     }
 
     /// Ground burns out without a word, a bush with a fact of its own.
-    fn state_at(&self, index: usize, time: SimTime) -> CellState {
+    fn state_at(&self, index: usize, time: SimTime) -> FollowedCell {
         match self.states[index] {
-            CellState::Burning { until } if until < time && !self.is_bush[index] => CellState::BurnedOut,
+            FollowedCell::Burning { until } if until < time && !self.is_bush[index] => FollowedCell::BurnedOut,
             state => state,
         }
     }
 
-    fn next_state(&mut self, index: usize, change: &Change) -> Result<CellState, ViolationKind> {
+    fn next_state(&mut self, index: usize, change: &Change) -> Result<FollowedCell, ViolationKind> {
         let &Change { time, cell, what } = change;
         let reignition = self.setting.rules.reignition;
         match (what, self.state_at(index, time)) {
-            (_, CellState::Burning { until }) if until < time => {
+            (_, FollowedCell::Burning { until }) if until < time => {
                 Err(ViolationKind::WrongBurnOut { cell, due: Some(until) })
             }
             (ChangeKind::Ignited(Cause::Spotted(from)), _) if !self.has_embers => {
                 Err(ViolationKind::NoSource { cell, from })
             }
             (ChangeKind::Ignited(_), state) => {
-                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
+                let is_left = state == FollowedCell::Intact || reignition && state == FollowedCell::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet_until[index] > time {
                     return Err(ViolationKind::CannotBurn { cell });
                 }
                 let until = self.flaming.burns_out_at(cell, time).unwrap_or(SimTime::MAX);
-                Ok(CellState::Burning { until })
+                Ok(FollowedCell::Burning { until })
             }
-            (ChangeKind::BurnedOut, CellState::Burning { until }) if until != time => {
+            (ChangeKind::BurnedOut, FollowedCell::Burning { until }) if until != time => {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
             }
             (ChangeKind::Cleared { holds }, state) => {
-                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
+                let is_left = state == FollowedCell::Intact || reignition && state == FollowedCell::Extinguished;
                 if holds && !(is_left && self.has_fuel[index]) {
                     return Err(ViolationKind::WrongLine { cell });
                 }
                 self.wet_until[index] = if holds { SimTime::MAX } else { self.wet_until[index] };
                 Ok(state)
             }
-            (ChangeKind::BurnedOut, CellState::Burning { .. }) => Ok(CellState::BurnedOut),
-            (ChangeKind::Extinguished { .. }, CellState::Burning { .. }) => Ok(CellState::Extinguished),
+            (ChangeKind::BurnedOut, FollowedCell::Burning { .. }) => Ok(FollowedCell::BurnedOut),
+            (ChangeKind::Extinguished { .. }, FollowedCell::Burning { .. }) => Ok(FollowedCell::Extinguished),
             (ChangeKind::BurnedOut | ChangeKind::Extinguished { .. }, _) => Err(ViolationKind::NotBurning { cell }),
             (ChangeKind::Wetted { until, .. }, state) => {
-                let is_left = state == CellState::Intact || reignition && state == CellState::Extinguished;
+                let is_left = state == FollowedCell::Intact || reignition && state == FollowedCell::Extinguished;
                 if !is_left || !self.has_fuel[index] || self.wet.is_none_or(|wet| until != time + wet) {
                     return Err(ViolationKind::WrongWater { cell });
                 }
@@ -164,7 +164,7 @@ impl<'a> States<'a> {
     fn finish(&self, end: SimTime) -> Result<(), Violation> {
         let frame = self.setting.frame;
         let late = self.setting.bushes.iter().filter_map(|&cell| match self.states[frame.index(cell)] {
-            CellState::Burning { until } if until <= end => Some((until, cell)),
+            FollowedCell::Burning { until } if until <= end => Some((until, cell)),
             _ => None,
         });
         let Some((due, cell)) = late.min_by_key(|&(due, _)| due) else { return Ok(()) };
@@ -436,7 +436,7 @@ mod tests {
         for relief in [Relief::FLAT, hill()] {
             for method in [CrownMethod::ScottReinhardt, CrownMethod::Rothermel] {
                 let bare = setting(relief.clone(), Neighbours::ThirtyTwo, false);
-                let timeline = burn(with_trees(bare.clone(), method), vec![(0.0, Act::Light(cell(25, 12)))]);
+                let timeline = burn(with_trees(bare.clone(), method), vec![(0.0, FireAction::Light(cell(25, 12)))]);
                 assert!(timeline.ground.len() > 300, "{}", timeline.ground.len());
                 assert_eq!(audit_spread(&timeline), Ok(()));
                 let other = Timeline { setting: bare, ..timeline };
@@ -454,7 +454,7 @@ mod tests {
         Relief::Elevation((0..FRAME.cell_count()).map(height).collect())
     }
 
-    enum Act {
+    enum FireAction {
         Light(Cell),
         /// Puts out what burns in reach of one of the burning cells, and wets what does not.
         Stop(usize),
@@ -462,7 +462,7 @@ mod tests {
     }
 
     /// Lets the fire model burn, with these acts at these seconds.
-    fn burn(setting: Setting, acts: Vec<(f64, Act)>) -> Timeline {
+    fn burn(setting: Setting, acts: Vec<(f64, FireAction)>) -> Timeline {
         let spread = setting.spread.clone().expect("it was set");
         let wet = if let SpreadSetting::Rothermel { rules, .. } = &spread { rules.wet } else { SimTime::ZERO };
         let ground = (0..FRAME.cell_count()).map(|index| FRAME.cell(index)).filter(|&cell| setting.is_ground(cell));
@@ -478,11 +478,11 @@ mod tests {
             let mut expected = Vec::new();
             let mut changes: Vec<(FireChange, Option<ChangeKind>)> = Vec::new();
             match queue.pop_due(now, 0).expect("it was just seen") {
-                Act::Light(cell) => {
+                FireAction::Light(cell) => {
                     let ignition = fires.ignite(cell, now, true);
                     changes.extend(ignition.map(|change| (change, Some(ChangeKind::Ignited(Cause::Scheduled)))));
                 }
-                Act::Stop(number) => {
+                FireAction::Stop(number) => {
                     let burning: Vec<Cell> = fires.burning().collect();
                     let centre = burning.get(number % burning.len().max(1));
                     for cell in centre.into_iter().flat_map(|&centre| cells_within(3, FRAME, centre)) {
@@ -496,7 +496,7 @@ mod tests {
                         }
                     }
                 }
-                Act::Forecast(FireEvent::Arrival(arrival)) => {
+                FireAction::Forecast(FireEvent::Arrival(arrival)) => {
                     for spread in model.arrive(&fires, now, arrival, &mut expected) {
                         let caught = fires.ignite(spread.cell, now, false);
                         let what = ChangeKind::Ignited(match spread.by {
@@ -506,11 +506,11 @@ mod tests {
                         changes.extend(caught.map(|change| (change, Some(what))));
                     }
                 }
-                Act::Forecast(FireEvent::BurnOut { cell, episode }) if fires.goes_on(cell, episode) => {
+                FireAction::Forecast(FireEvent::BurnOut { cell, episode }) if fires.goes_on(cell, episode) => {
                     changes.push((fires.burn_out(cell), Some(ChangeKind::BurnedOut)));
                 }
-                Act::Forecast(FireEvent::BurnOut { .. }) => {}
-                Act::Forecast(FireEvent::Dry { cell }) => {
+                FireAction::Forecast(FireEvent::BurnOut { .. }) => {}
+                FireAction::Forecast(FireEvent::Dry { cell }) => {
                     changes.extend(fires.dry(cell, now).map(|change| (change, None)));
                 }
             }
@@ -520,7 +520,7 @@ mod tests {
                 record(&mut timeline, now, change.cell(), what);
             }
             for (time, event) in expected {
-                queue.push(time, 0, Act::Forecast(event));
+                queue.push(time, 0, FireAction::Forecast(event));
             }
         }
         timeline
@@ -550,10 +550,10 @@ mod tests {
         burn(setting(relief, neighbours, reignition), acts())
     }
 
-    fn acts() -> Vec<(f64, Act)> {
-        let mut acts = vec![(0.0, Act::Light(cell(20, 20))), (350.0, Act::Light(cell(45, 30)))];
-        acts.extend((0..8).map(|number| (300.0 + 150.0 * f64::from(number), Act::Stop(7 * number as usize))));
-        acts.push((900.0, Act::Light(cell(20, 20))));
+    fn acts() -> Vec<(f64, FireAction)> {
+        let mut acts = vec![(0.0, FireAction::Light(cell(20, 20))), (350.0, FireAction::Light(cell(45, 30)))];
+        acts.extend((0..8).map(|number| (300.0 + 150.0 * f64::from(number), FireAction::Stop(7 * number as usize))));
+        acts.push((900.0, FireAction::Light(cell(20, 20))));
         acts
     }
 
@@ -730,7 +730,7 @@ mod tests {
             let steps = |cell: Cell| cell.col.abs_diff(20) + cell.row.abs_diff(20);
             let fuel = (0..FRAME.cell_count()).map(|index| if steps(FRAME.cell(index)) == 6 { 91 } else { 104 });
             *landscape = Arc::new(Landscape { fuel: fuel.collect(), ..Landscape::clone(landscape) });
-            let proper = burn(setting, vec![(0.0, Act::Light(cell(20, 20)))]);
+            let proper = burn(setting, vec![(0.0, FireAction::Light(cell(20, 20)))]);
             assert_eq!((audit_spread(&proper), proper.ground.len()), (Ok(()), 61));
             for event in proper.ground.iter().filter(|event| steps(event.cell) == 5) {
                 let [col, row] = [event.cell.col, event.cell.row].map(|at| if at >= 20 { at + 1 } else { at - 1 });

@@ -15,19 +15,19 @@ use crate::input_file::is_standard_stream;
 /// `-`, which is stdout, is written to as it comes.
 #[derive(Debug)]
 pub struct WholeFile {
-    writer: Option<BufWriter<Target>>,
+    writer: Option<BufWriter<WriteTarget>>,
     /// The path that it is written at and the one that it takes; `None` for stdout.
-    places: Option<Places>,
+    places: Option<TemporaryPaths>,
 }
 
 #[derive(Debug)]
-enum Target {
+enum WriteTarget {
     File(File),
     Stdout(io::Stdout),
 }
 
 #[derive(Debug)]
-struct Places {
+struct TemporaryPaths {
     aside: PathBuf,
     path: PathBuf,
 }
@@ -37,11 +37,11 @@ impl WholeFile {
     /// Those of the disk, and those of [`refuse_no_file`] if the name is taken by something else than a file.
     pub fn create(path: &Path) -> io::Result<Self> {
         if is_standard_stream(path) {
-            return Ok(Self { writer: Some(BufWriter::new(Target::Stdout(io::stdout()))), places: None });
+            return Ok(Self { writer: Some(BufWriter::new(WriteTarget::Stdout(io::stdout()))), places: None });
         }
-        let places = Places::of(path)?;
+        let places = TemporaryPaths::of(path)?;
         let file = File::create(&places.aside)?;
-        Ok(Self { writer: Some(BufWriter::new(Target::File(file))), places: Some(places) })
+        Ok(Self { writer: Some(BufWriter::new(WriteTarget::File(file))), places: Some(places) })
     }
 
     /// The path that it is written at until it is finished, for another program that fills it; `None` for stdout.
@@ -69,12 +69,12 @@ impl WholeFile {
         }
     }
 
-    fn open_writer(&mut self) -> &mut BufWriter<Target> {
+    fn open_writer(&mut self) -> &mut BufWriter<WriteTarget> {
         self.writer.as_mut().expect("only finishing takes the writer, and it takes the file too")
     }
 }
 
-impl Target {
+impl WriteTarget {
     fn sync_all(&self) -> io::Result<()> {
         match self {
             Self::File(file) => file.sync_all(),
@@ -83,7 +83,7 @@ impl Target {
     }
 }
 
-impl Write for Target {
+impl Write for WriteTarget {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
             Self::File(file) => file.write(bytes),
@@ -107,7 +107,7 @@ fn unless_closed<T>(written: io::Result<T>, all: T) -> io::Result<T> {
     }
 }
 
-impl Places {
+impl TemporaryPaths {
     /// The place aside is in the same folder, so that renaming stays within one file system, and belongs to this
     /// process, so that two programs never write into one file.
     fn of(path: &Path) -> io::Result<Self> {

@@ -21,54 +21,11 @@
 
 pub mod arena;
 pub mod comparison;
-mod decisions;
-mod drives;
-mod execute;
-mod maps;
-mod plan;
-mod report;
+pub mod decisions;
+pub mod drives;
+pub mod execute;
+pub mod maps;
+pub mod plan;
+pub mod report;
 pub mod stats;
-mod table;
-
-pub use decisions::{
-    AlternativeAction, Answers, DecisionTally, DecisionValue, HindsightBound, JudgeError, JudgeProgress,
-    SelectedDecisions, WhyReport, attain, attain_all, judge_batch,
-};
-#[doc(hidden)]
-pub use drives::made_up_drives;
-pub use drives::{
-    Attempt, AttemptSettings, COMPARED, DRIVE_COLUMNS, DRIVE_LEGEND, DriveColumn, DriveContrast, DriveError,
-    DriveFailure, DriveProblems, DriveQuery, DriveRequest, DriveTable, INTERVAL_LEGEND, MAX_QUERIES, MEASURES, Measure,
-    PlannerSummary, QueryCost, ask_all, attempts, contrast_table, custom_names, expect_planners_exist,
-    failure_sentences, interval_tables, missed, queries_text, requested_planners, rows_table, shortened_field,
-    summary_table, violation_sentences,
-};
-pub use execute::{
-    AGENTS_FILE, Append, Batch, BatchError, BatchStatus, CALLS_PARQUET, CHARTS_FOLDER, CpuSplit, DECISIONS_PARQUET,
-    Disk, FailedRuns, Found, JournalError, JournalIndex, JournalKeeping, JournalScan, Lock, LostRecording, Machine,
-    Machines, MissingRuns, OutputFolder, Pilot, PlannerCall, RECORDINGS_FOLDER, REPORT_FILE, RUNS_FILE, RUNS_PARQUET,
-    RealDisk, RunDetail, RunEnd, RunResult, RunRow, RunScenario, STATE_STEPS, STATES_PARQUET, SliceState, Solution,
-    StateCount, Status, TABLES_FILE, UnexpectedFile, Whole, batch_status, file_name_of, limit_threads, with_threads,
-};
-pub use maps::{
-    BatchMaps, BatchQuantity, BatchSide, Losses, MapDifference, MapSource, MapsError, MapsOptions, RunMean, map_batches,
-};
-pub use plan::{
-    BatchPlan, BatchRequest, COMMIT, COMPILER, CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest,
-    EntryCard, LONG_VERSION, MAX_RUNS, MAX_SEEDS_BYTES, MAX_SLICES, MAX_VARIANTS, PLAN_FILE, PLAN_TEMPLATE,
-    PLANNER_KEY, PROGRAM_VERSION, PlanError, PlanWriter, PlannedRun, RUNS_WITHOUT_FORCE, Record, RequestError,
-    RunLabel, Seeds, SeedsError, Setting, Slice, SliceError, Sweep, SweepError, Value, Variant, plan_schema,
-    planner_of, range_text, rules_schema, shell_word,
-};
-pub use report::{
-    AuditOptions, AuditReport, AuditSource, AuditsError, BatchReport, ChartData, Facet, FacetSeries, Failures,
-    FieldPicture, LISTED_VIOLATIONS, ListedViolation, MAX_PANELS, Merged, NotableRun, PaperCharts, ReportError,
-    ReportParts, RunObject, SHOWN_RUNS, SelectedQuantities, Tables, Tally, VariantReport, WrittenReport, audit_all,
-    merge, notable_runs, notes, read_report, read_rows, runs_with_pages, word_facets, write_chart, write_chart_data,
-    write_paper_chart, write_report,
-};
-pub use table::{
-    AGENT_COLUMNS, AgentColumn, AgentRow, CALL_COLUMNS, COLUMNS_BEFORE_SWEPT, CallColumn, Column, FileColumn,
-    FinishedBatch, FinishedError, Kind, QueryTally, RUN_COLUMNS, RunColumn, RunRecord, STATE_COLUMNS, StateColumn,
-    TableError, TableOfRows, TableReader, Unit, is_measured, recordings_in, row_schema, run_column, swept_columns,
-};
+pub mod table;

@@ -7,7 +7,7 @@
 //! offset from it along its normal: it moves with the front, and along it with what its rate leaves. The fire is contained
 //! when u has passed all of the flank. Units: chains (20.1168 m), acres (10 square chains), minutes.
 //!
-//! Steps of time and the conventions named at [`Flank`] were deduced from the answers of BEHAVE to 1,200 cases.
+//! Steps of time and the conventions named at [`FireFlank`] were deduced from the answers of BEHAVE to 1,200 cases.
 
 use std::f64::consts::PI;
 
@@ -102,7 +102,7 @@ impl Attack {
     /// from the ratio by a linear one.
     pub fn free_fire(&self) -> [f64; 2] {
         let ratio = length_to_width(4.0 * (self.length_to_width - 1.0), LengthToWidth::Anderson1983);
-        let shape = Shape::new(ratio);
+        let shape = FireShape::new(ratio);
         let head = shape.head(self.size_acre) + self.rate_ch_h * self.start_min() / 60.0;
         let (a, b) = (shape.a * head, shape.b * head);
         let h = (a - b) * (a - b) / ((a + b) * (a + b));
@@ -122,9 +122,9 @@ impl Attack {
     }
 
     fn run_with(&self, step_min: f64) -> (Outcome, u32) {
-        let shape = Shape::new(self.length_to_width);
+        let shape = FireShape::new(self.length_to_width);
         let rate = self.rate_ch_h / 60.0;
-        let flank = Flank { shape, rate, offset: self.offset_ch, is_rear: self.tactic == Tactic::Rear };
+        let flank = FireFlank { shape, rate, offset: self.offset_ch, is_rear: self.tactic == Tactic::Rear };
         let last =
             self.resources.iter().map(|resource| resource.arrival_min + resource.duration_min).fold(0.0, f64::max);
         let mut time = self.start_min();
@@ -167,13 +167,13 @@ impl Attack {
 
 /// An ellipse with its head at the distance 1 from the origin of the fire, a focus.
 #[derive(Clone, Copy)]
-struct Shape {
+struct FireShape {
     a: f64,
     b: f64,
     center: f64,
 }
 
-impl Shape {
+impl FireShape {
     fn new(length_to_width: f64) -> Self {
         let eccentricity = (1.0 - 1.0 / (length_to_width * length_to_width)).sqrt();
         let a = 1.0 / (1.0 + eccentricity);
@@ -192,17 +192,17 @@ impl Shape {
 /// Conventions of BEHAVE: the part of the curvature that the offset brings in has a factor b^2 too many, so that a parallel
 /// line is longer than its builders' rate allows unless the fire is round. The last point of a line from the head lies where
 /// the rear was, a share of a step before.
-struct Flank {
-    shape: Shape,
+struct FireFlank {
+    shape: FireShape,
     rate: f64,
     offset: f64,
     is_rear: bool,
 }
 
-impl Flank {
+impl FireFlank {
     /// Returns the ellipse's point and its outward normal for a head at 1.
     fn edge(&self, passed: f64) -> (DVec2, DVec2, f64) {
-        let Shape { a, b, center } = self.shape;
+        let FireShape { a, b, center } = self.shape;
         let (sin, cos) = ops::sin_cos(passed);
         let center = if self.is_rear { -center } else { center };
         let stretch = (a * a * sin * sin + b * b * cos * cos).sqrt();
@@ -217,7 +217,7 @@ impl Flank {
     /// Computes the angle that the builder passes in a minute.
     fn pace(&self, passed: f64, head: f64, production: f64) -> f64 {
         let (point, normal, stretch) = self.edge(passed);
-        let Shape { a, b, .. } = self.shape;
+        let FireShape { a, b, .. } = self.shape;
         let outwards = self.rate * point.dot(normal);
         let along = self.rate * point.dot(normal.perp());
         let free = (production * production - outwards * outwards).max(0.0).sqrt();
@@ -234,7 +234,7 @@ impl Flank {
     /// Returns the area of the free fire beyond the builder, on both flanks; of the part beyond an offset line an
     /// approximation.
     fn outside(&self, at: DVec2, head: f64) -> f64 {
-        let Shape { a, b, center } = self.shape;
+        let FireShape { a, b, center } = self.shape;
         let (a, b) = (a * head, b * head);
         let x = (if self.is_rear { -center } else { center }) * head - at.x;
         match x / a {

@@ -196,12 +196,12 @@ fn fill_columns(columns: &[i32], factor: usize, squares: &mut [i32]) {
 /// Lower envelope of parabolas of one shape, with the memory that it reuses from row to row.
 #[derive(Default)]
 struct Envelope {
-    arcs: Vec<Arc>,
+    arcs: Vec<Parabola>,
 }
 
 /// The parabola on a site, and the first vertex at which it is the lowest.
 #[derive(Clone, Copy)]
-struct Arc {
+struct Parabola {
     site: i64,
     square: i64,
     from: i64,
@@ -249,7 +249,7 @@ impl Envelope {
                 self.arcs.pop();
             };
             if from < end {
-                self.arcs.push(Arc { site, square, from });
+                self.arcs.push(Parabola { site, square, from });
             }
         }
     }

@@ -137,18 +137,18 @@ fn label_components(walled: &Grid<bool>) -> (Grid<u32>, usize) {
 
 /// Lengths of a way beside the diagram and along it.
 #[derive(Clone, Copy, PartialEq)]
-struct Along {
+struct RouteLength {
     beside: StepLength,
     along: StepLength,
 }
 
-struct Waiting {
-    lengths: Along,
+struct OpenVertex {
+    lengths: RouteLength,
     index: usize,
 }
 
 /// The length beside the diagram comes first, that along it decides between equals.
-impl Ranked for Waiting {
+impl Ranked for OpenVertex {
     type Tie = usize;
 
     fn priority(&self) -> f64 {
@@ -181,13 +181,13 @@ pub fn path_along(
     }
     let cols = occupied.cols();
     let moves = legal_moves(occupied, Connectivity::Eight, corners);
-    let unseen = Along { beside: UNSEEN, along: UNSEEN };
+    let unseen = RouteLength { beside: UNSEEN, along: UNSEEN };
     let mut lengths = Grid::filled(occupied.rows(), cols, unseen);
     let mut parents = Grid::filled(occupied.rows(), cols, 0_u32);
-    lengths[start] = Along { beside: START_LENGTH, along: START_LENGTH };
+    lengths[start] = RouteLength { beside: START_LENGTH, along: START_LENGTH };
     let mut open = OpenList::default();
-    open.push(Waiting { lengths: lengths[start], index: start.0 * cols + start.1 });
-    while let Some(Waiting { lengths: popped, index }) = open.pop() {
+    open.push(OpenVertex { lengths: lengths[start], index: start.0 * cols + start.1 });
+    while let Some(OpenVertex { lengths: popped, index }) = open.pop() {
         let here = (index / cols, index % cols);
         // A shorter way to this cell was found since the entry was made, and has been expanded.
         if popped != lengths[here] {
@@ -198,18 +198,18 @@ pub fn path_along(
         }
         for (_, &offset) in astar::MOVES.iter().enumerate().filter(|(k, _)| moves[here] & (1 << k) != 0) {
             let to = place::neighbour(occupied, here, offset).expect("legal moves stay on the map");
-            let Along { beside, along } = popped;
+            let RouteLength { beside, along } = popped;
             let next = if diagram[here] && diagram[to] {
-                Along { beside, along: longer(along, offset) }
+                RouteLength { beside, along: longer(along, offset) }
             } else {
-                Along { beside: longer(beside, offset), along }
+                RouteLength { beside: longer(beside, offset), along }
             };
             let best = lengths[to];
-            let key = |lengths: Along| (metric(lengths.beside), metric(lengths.along));
+            let key = |lengths: RouteLength| (metric(lengths.beside), metric(lengths.along));
             if best == unseen || key(next) < key(best) {
                 lengths[to] = next;
                 parents[to] = index as u32;
-                open.push(Waiting { lengths: next, index: to.0 * cols + to.1 });
+                open.push(OpenVertex { lengths: next, index: to.0 * cols + to.1 });
             }
         }
     }

@@ -7,7 +7,7 @@
 use std::{env, fs};
 
 use cpu_time::ThreadTime;
-use wildfire_module::{Engine, Instance, Limits, Module};
+use wildfire_module::{Engine, Limits, Module, ModuleInstance};
 
 #[expect(clippy::print_stdout, reason = "it is what the example is for")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             }
             let instance = match &mut instance {
                 Some(instance) => instance,
-                none => none.insert(Instance::new(&module, 1)?),
+                none => none.insert(ModuleInstance::new(&module, 1)?),
             };
             let answer = instance.exchange(format!("{line}\n").as_bytes(), u64::MAX, 0);
             instructions += answer.map_err(|failure| failure.message)?.instructions;

@@ -13,7 +13,7 @@ use wasmtime::{AsContextMut, Config, Engine, Error, Extern, Global, InstancePre,
 use wasmtime::{StoreLimitsBuilder, Trap, Val};
 
 use crate::count::{Counted, GAS, MAX_SLOTS, SLOTS};
-use crate::host::{Caller, Function, SharedHost, Stop, WASI, four};
+use crate::host::{Caller, Function, SharedHost, StopCause, WASI, four};
 use crate::instance::{Limits, MAX_TABLE_ELEMENTS, Pause, Reason};
 
 /// Bytes of native stack for all slots: a value that is kept over a call takes eight bytes, and where the compiler keeps
@@ -24,7 +24,7 @@ const STACK_BYTES: usize = 8 * size_of::<u64>() * MAX_SLOTS as usize;
 const HOST_STACK_BYTES: usize = 1 << 20;
 
 /// A compiled module with its imports.
-pub struct Compiled(InstancePre<Data>);
+pub struct Compiled(InstancePre<StoreData>);
 
 impl fmt::Debug for Compiled {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -33,11 +33,11 @@ impl fmt::Debug for Compiled {
 }
 
 /// What a store holds.
-struct Data {
+struct StoreData {
     limits: StoreLimits,
     host: SharedHost,
     /// Set as soon as there is an instance; nothing runs before.
-    parts: Option<Parts>,
+    parts: Option<HostParts>,
     /// What is handed over when a module stops, and when it goes on.
     desk: InstructionCounter,
 }
@@ -47,7 +47,7 @@ type InstructionCounter = Arc<Mutex<(i64, i32)>>;
 
 /// What functions of the host need of an instance.
 #[derive(Clone, Copy)]
-struct Parts {
+struct HostParts {
     memory: Memory,
     gas: Global,
     slots: Global,
@@ -70,7 +70,7 @@ impl Compiled {
                 Box::new(async move {
                     let number = loop {
                         match call(&mut caller, function, numbers) {
-                            Err(Stop::NeedsInput) => wait(&mut caller).await,
+                            Err(StopCause::NeedsInput) => wait(&mut caller).await,
                             number => break number?,
                         }
                     };
@@ -86,7 +86,7 @@ impl Compiled {
     pub fn start(&self, host: SharedHost, limits: Limits) -> Result<Running, String> {
         let limits = StoreLimitsBuilder::new().memory_size(limits.memory).table_elements(MAX_TABLE_ELEMENTS).build();
         let desk = InstructionCounter::default();
-        let data = Data { limits, host, parts: None, desk: Arc::clone(&desk) };
+        let data = StoreData { limits, host, parts: None, desk: Arc::clone(&desk) };
         let mut store = Store::new(self.0.module().engine(), data);
         store.limiter(|data| &mut data.limits);
         let mut instantiation = Box::pin(self.0.instantiate_async(&mut store));
@@ -102,7 +102,7 @@ impl Compiled {
         else {
             unreachable!("its exports were looked at");
         };
-        store.data_mut().parts = Some(Parts { memory, gas, slots });
+        store.data_mut().parts = Some(HostParts { memory, gas, slots });
         let call = async move {
             take_budget(&mut store);
             let result = start.call_async(&mut store, ()).await;
@@ -110,7 +110,7 @@ impl Compiled {
             match result {
                 Ok(()) => Reason::End,
                 Err(error) => match error.downcast_ref() {
-                    Some(&stop) => Reason::Stop(stop),
+                    Some(&stop) => Reason::StopCause(stop),
                     None => Reason::Trap(message_of(&error)),
                 },
             }
@@ -139,7 +139,7 @@ impl Running {
         let call = self.call.get_mut().unwrap_or_else(PoisonError::into_inner);
         let reason = match poll_once(call.as_mut()) {
             Poll::Ready(reason) => reason,
-            Poll::Pending => Reason::Stop(Stop::NeedsInput),
+            Poll::Pending => Reason::StopCause(StopCause::NeedsInput),
         };
         let (left, slots) = *lock(&self.desk);
         Pause { reason, left, slots }
@@ -155,7 +155,7 @@ fn poll_once<T>(future: Pin<&mut (impl Future<Output = T> + ?Sized)>) -> Poll<T>
 }
 
 /// Gives an instance the instructions that it may run next.
-fn take_budget(mut context: impl AsContextMut<Data = Data>) {
+fn take_budget(mut context: impl AsContextMut<StoreData = StoreData>) {
     let view = context.as_context();
     let parts = view.data().parts;
     let budget = lock(&view.data().desk).0;
@@ -164,14 +164,14 @@ fn take_budget(mut context: impl AsContextMut<Data = Data>) {
 }
 
 /// Notes what an instance has left.
-fn leave_rest(mut context: impl AsContextMut<Data = Data>) {
-    let Parts { gas, slots, .. } = context.as_context().data().parts.expect("there is an instance");
+fn leave_rest(mut context: impl AsContextMut<StoreData = StoreData>) {
+    let HostParts { gas, slots, .. } = context.as_context().data().parts.expect("there is an instance");
     let rest = (gas.get(&mut context).unwrap_i64(), slots.get(&mut context).unwrap_i32());
     *lock(&context.as_context().data().desk) = rest;
 }
 
 /// Suspends a module until it is polled again.
-async fn wait(context: &mut impl AsContextMut<Data = Data>) {
+async fn wait(context: &mut impl AsContextMut<StoreData = StoreData>) {
     leave_rest(&mut *context);
     let mut is_back = false;
     poll_fn(|_| if std::mem::replace(&mut is_back, true) { Poll::Ready(()) } else { Poll::Pending }).await;
@@ -179,11 +179,15 @@ async fn wait(context: &mut impl AsContextMut<Data = Data>) {
 }
 
 /// Calls a function of the host for a module.
-fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers: [u32; 4]) -> Result<i32, Stop> {
+fn call(
+    mut context: impl AsContextMut<StoreData = StoreData>,
+    function: Function,
+    numbers: [u32; 4],
+) -> Result<i32, StopCause> {
     let view = context.as_context();
     let host = view.data().host.clone();
     let parts = view.data().parts;
-    let Parts { memory, gas, .. } = parts.expect("there is an instance");
+    let HostParts { memory, gas, .. } = parts.expect("there is an instance");
     let left = gas.get(&mut context).unwrap_i64();
     let mut caller = Caller { memory: memory.data_mut(&mut context), left, host: &mut host.lock() };
     let number = function.call(&mut caller, numbers);

@@ -55,7 +55,7 @@ impl SharedHost {
 
 /// Why a module stops before its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum StopCause {
     /// It reads stdin, and there is nothing; the same call works once there is.
     NeedsInput,
     /// It has called `proc_exit`.
@@ -64,7 +64,7 @@ pub enum Stop {
     Flood,
 }
 
-impl fmt::Display for Stop {
+impl fmt::Display for StopCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NeedsInput => f.write_str("waits for input"),
@@ -74,14 +74,14 @@ impl fmt::Display for Stop {
     }
 }
 
-impl std::error::Error for Stop {}
+impl std::error::Error for StopCause {}
 
 /// Why a function does not do what it was called for.
 enum HostError {
     /// It returns an error number.
     Number(i32),
     /// It does not return.
-    Stop(Stop),
+    StopCause(StopCause),
 }
 
 type Access<T> = Result<T, HostError>;
@@ -127,14 +127,14 @@ impl Caller<'_> {
 }
 
 /// What a function does with the numbers that it is called with: at most four matter.
-type Act = fn(&mut Caller<'_>, [u32; 4]) -> Access<()>;
+type HostFunction = fn(&mut Caller<'_>, [u32; 4]) -> Access<()>;
 
 fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Access<()> {
     if fd != 0 {
         return Err(HostError::Number(BAD_DESCRIPTOR));
     }
     if caller.host.input.is_empty() {
-        return Err(HostError::Stop(Stop::NeedsInput));
+        return Err(HostError::StopCause(StopCause::NeedsInput));
     }
     let mut moved = 0;
     for (at, length) in caller.buffers(list, count)? {
@@ -161,7 +161,7 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
         let room = max - to.len();
         to.extend(bytes.iter().take(room));
         if fd == 1 && bytes.len() > room {
-            return Err(HostError::Stop(Stop::Flood));
+            return Err(HostError::StopCause(StopCause::Flood));
         }
     }
     caller.charge(all as usize);
@@ -212,7 +212,7 @@ fn random_get(caller: &mut Caller<'_>, [at, length, ..]: [u32; 4]) -> Access<()>
 }
 
 fn proc_exit(_caller: &mut Caller<'_>, [code, ..]: [u32; 4]) -> Access<()> {
-    Err(HostError::Stop(Stop::Exit(code.cast_signed())))
+    Err(HostError::StopCause(StopCause::Exit(code.cast_signed())))
 }
 
 /// Fills a list of numbers up with zeros.
@@ -224,7 +224,7 @@ pub fn four(numbers: impl Iterator<Item = u32>) -> [u32; 4] {
 
 /// A function of WASI as a module imports it.
 #[derive(Clone, Copy, Debug)]
-pub struct Function(Act);
+pub struct Function(HostFunction);
 
 impl Function {
     /// Returns the function that an import asks for. Those that need a world do nothing and return an error number.
@@ -240,7 +240,7 @@ impl Function {
         if module != WASI {
             return Err(format!("imports `{module}.{name}`; only functions of `{WASI}` exist"));
         }
-        let (parameters, act): (&[ValType], Act) = match name.as_str() {
+        let (parameters, act): (&[ValType], HostFunction) = match name.as_str() {
             "fd_read" => (&[I32; 4], fd_read),
             "fd_write" => (&[I32; 4], fd_write),
             "fd_fdstat_get" => (&[I32; 2], fd_fdstat_get),
@@ -267,11 +267,11 @@ impl Function {
     ///
     /// # Errors
     /// If the call does not return.
-    pub fn call(self, caller: &mut Caller<'_>, numbers: [u32; 4]) -> Result<i32, Stop> {
+    pub fn call(self, caller: &mut Caller<'_>, numbers: [u32; 4]) -> Result<i32, StopCause> {
         match (self.0)(caller, numbers) {
             Ok(()) => Ok(SUCCESS),
             Err(HostError::Number(number)) => Ok(number),
-            Err(HostError::Stop(stop)) => Err(stop),
+            Err(HostError::StopCause(stop)) => Err(stop),
         }
     }
 }

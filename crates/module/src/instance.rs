@@ -7,7 +7,7 @@ use wildfire_base::rng;
 #[cfg(feature = "wasmtime")]
 use crate::compiler;
 use crate::count::{Counted, counted};
-use crate::host::{Function, Host, SharedHost, Stop};
+use crate::host::{Function, Host, SharedHost, StopCause};
 use crate::interpreter;
 
 /// The most elements of a module's tables.
@@ -107,7 +107,7 @@ impl Module {
         };
         let module = Self { compiled: Arc::new(compiled), name: name.to_owned(), limits };
         // Whether its data fit into its memory shows when it is put together.
-        Instance::new(&module, 0)?;
+        ModuleInstance::new(&module, 0)?;
         Ok(module)
     }
 }
@@ -121,7 +121,7 @@ impl PartialEq for Module {
 
 /// An answer, and what it cost.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answer {
+pub struct ModuleAnswer {
     /// The line, with its end.
     pub line: Vec<u8>,
     /// Instructions since the answer before.
@@ -152,7 +152,7 @@ pub struct Failure {
 /// Why a module runs no longer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reason {
-    Stop(Stop),
+    StopCause(StopCause),
     /// `_start` has returned.
     End,
     /// It has trapped; in the words of the WebAssembly specification.
@@ -171,14 +171,14 @@ pub struct Pause {
 
 /// A module that was started.
 #[derive(Debug)]
-pub struct Instance {
+pub struct ModuleInstance {
     host: SharedHost,
     running: Running,
     has_failed: bool,
     max_output: usize,
 }
 
-impl Instance {
+impl ModuleInstance {
     /// Prepares a module to run; all its random bytes follow from the seed.
     ///
     /// # Errors
@@ -206,7 +206,7 @@ impl Instance {
     ///
     /// # Errors
     /// If it runs out of instructions, traps, ends, writes more than it may, or waits without having answered.
-    pub fn exchange(&mut self, line: &[u8], budget: u64, spent: u64) -> Result<Answer, Failure> {
+    pub fn exchange(&mut self, line: &[u8], budget: u64, spent: u64) -> Result<ModuleAnswer, Failure> {
         if self.has_failed {
             return Err(self.failure(FailureKind::Crashed, "has failed before".to_owned(), 0));
         }
@@ -226,16 +226,18 @@ impl Instance {
         let (kind, message) = match reason {
             _ if left < 0 => (FailureKind::BudgetSpent, format!("ran more than {budget} instructions")),
             _ if slots < 0 => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
-            Reason::Stop(Stop::NeedsInput) => {
+            Reason::StopCause(StopCause::NeedsInput) => {
                 let output = &mut self.host.lock().output;
                 if let Some(end) = output.iter().position(|&byte| byte == b'\n') {
                     let rest = output.split_off(end + 1);
-                    return Ok(Answer { line: std::mem::replace(output, rest), instructions });
+                    return Ok(ModuleAnswer { line: std::mem::replace(output, rest), instructions });
                 }
                 (FailureKind::BadAnswer, "reads on without having answered".to_owned())
             }
-            Reason::Stop(Stop::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
-            Reason::Stop(Stop::Flood) => (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.max_output)),
+            Reason::StopCause(StopCause::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
+            Reason::StopCause(StopCause::Flood) => {
+                (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.max_output))
+            }
             Reason::End => (FailureKind::Crashed, "ended".to_owned()),
             Reason::Trap(message) => (FailureKind::Crashed, format!("trapped: {message}")),
         };

@@ -4,10 +4,10 @@ use wasmi::{AsContextMut, Config, Error, Extern, ExternType, Func, Global, Linke
 use wasmi::{ResumableCallHostTrap, Store, StoreLimits, StoreLimitsBuilder, TrapCode, Val};
 
 use crate::count::{Counted, FRAME_SLOTS, GAS, MAX_SLOTS, SLOTS};
-use crate::host::{Caller, Function, SharedHost, Stop, WASI, four};
+use crate::host::{Caller, Function, SharedHost, StopCause, WASI, four};
 use crate::instance::{Limits, MAX_TABLE_ELEMENTS, Pause, Reason};
 
-impl wasmi::errors::HostError for Stop {}
+impl wasmi::errors::HostError for StopCause {}
 
 /// A compiled module with its imports.
 #[derive(Debug)]
@@ -82,7 +82,7 @@ impl Compiled {
         };
         let parts = Parts { memory, gas, slots };
         store.data_mut().parts = Some(parts);
-        Ok(Running { store, parts, state: State::New(start) })
+        Ok(Running { store, parts, state: InterpreterState::New(start) })
     }
 }
 
@@ -91,12 +91,12 @@ impl Compiled {
 pub struct Running {
     store: Store<Data>,
     parts: Parts,
-    state: State,
+    state: InterpreterState,
 }
 
 /// Where an instance is between two answers.
 #[derive(Debug)]
-enum State {
+enum InterpreterState {
     /// It has not run yet.
     New(Func),
     /// It waits for input.
@@ -108,20 +108,20 @@ impl Running {
     /// Runs until there is no input left, or until its end, with so many instructions.
     pub fn run(&mut self, budget: i64) -> Pause {
         self.parts.gas.set(&mut self.store, Val::I64(budget)).expect("it is a mutable i64");
-        let ended = match std::mem::replace(&mut self.state, State::Over) {
-            State::New(start) => start.call_resumable(&mut self.store, &[], &mut []),
-            State::Waiting(waiting) => {
+        let ended = match std::mem::replace(&mut self.state, InterpreterState::Over) {
+            InterpreterState::New(start) => start.call_resumable(&mut self.store, &[], &mut []),
+            InterpreterState::Waiting(waiting) => {
                 let (function, numbers) = self.store.data_mut().waiting.take().expect("a call that waits");
                 let number = call(&mut self.store, function, numbers).expect("there is input");
                 waiting.resume(&mut self.store, &[Val::I32(number)], &mut [])
             }
-            State::Over => unreachable!("nobody runs what is over"),
+            InterpreterState::Over => unreachable!("nobody runs what is over"),
         };
         let reason = match ended {
             Ok(ResumableCall::HostTrap(trap)) => match trap.host_error().downcast_ref() {
                 Some(&stop) => {
-                    self.state = State::Waiting(trap);
-                    Reason::Stop(stop)
+                    self.state = InterpreterState::Waiting(trap);
+                    Reason::StopCause(stop)
                 }
                 None => Reason::Trap("an error of the host".to_owned()),
             },
@@ -137,7 +137,7 @@ impl Running {
 }
 
 /// Calls a function of the host for a module.
-fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers: [u32; 4]) -> Result<i32, Stop> {
+fn call(mut context: impl AsContextMut<Data = Data>, function: Function, numbers: [u32; 4]) -> Result<i32, StopCause> {
     let view = context.as_context();
     let host = view.data().host.clone();
     let parts = view.data().parts;

@@ -13,4 +13,4 @@ mod host;
 mod instance;
 mod interpreter;
 
-pub use instance::{Answer, Engine, Failure, FailureKind, Instance, Limits, Module, check};
+pub use instance::{Engine, Failure, FailureKind, Limits, Module, ModuleAnswer, ModuleInstance, check};

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use wildfire_module::{Answer, Engine, Failure, FailureKind, Instance, Limits, Module};
+use wildfire_module::{Engine, Failure, FailureKind, Limits, Module, ModuleAnswer, ModuleInstance};
 
 const LIMITS: Limits = Limits { memory: 1 << 20, answer: 1000 };
 const PLENTY: u64 = 1_000_000;
@@ -58,24 +58,24 @@ fn alike<T: PartialEq + Debug>(of: impl Fn(Engine) -> T) -> T {
     first
 }
 
-fn start(engine: Engine, bytes: &[u8], seed: u64) -> Instance {
+fn start(engine: Engine, bytes: &[u8], seed: u64) -> ModuleInstance {
     let module = Module::new(engine, "test", bytes, LIMITS).expect("a module");
-    Instance::new(&module, seed).expect("it fits")
+    ModuleInstance::new(&module, seed).expect("it fits")
 }
 
 /// What a module answers to lines, until it fails.
-fn answers(bytes: &[u8], seed: u64, lines: &[(&str, u64)]) -> Vec<Result<Answer, Failure>> {
+fn answers(bytes: &[u8], seed: u64, lines: &[(&str, u64)]) -> Vec<Result<ModuleAnswer, Failure>> {
     alike(|engine| {
         let mut instance = start(engine, bytes, seed);
         lines.iter().map(|(line, budget)| instance.exchange(line.as_bytes(), *budget, 0)).collect()
     })
 }
 
-fn answer_to(bytes: &[u8], seed: u64, budget: u64) -> Result<Answer, Failure> {
+fn answer_to(bytes: &[u8], seed: u64, budget: u64) -> Result<ModuleAnswer, Failure> {
     answers(bytes, seed, &[("hello\n", budget)]).remove(0)
 }
 
-fn answer_of(then: &str) -> Result<Answer, Failure> {
+fn answer_of(then: &str) -> Result<ModuleAnswer, Failure> {
     answer_to(&command(then), 1, PLENTY)
 }
 
@@ -304,7 +304,7 @@ fn any_change_of_a_byte_is_a_sentence_or_a_module() {
             changed[at] ^= change;
             let answer = alike(|engine| {
                 let module = Module::new(engine, "test", &changed, LIMITS).ok()?;
-                Some(Instance::new(&module, 1).expect("it was tried").exchange(b"hello\n", 10_000, 0))
+                Some(ModuleInstance::new(&module, 1).expect("it was tried").exchange(b"hello\n", 10_000, 0))
             });
             refused += usize::from(answer.is_none());
         }

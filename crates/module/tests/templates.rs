@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use wildfire_module::{Answer, Engine, Failure, Instance, Limits, Module};
+use wildfire_module::{Engine, Failure, Limits, Module, ModuleAnswer, ModuleInstance};
 
 const HELLO: &str = "{\"type\":\"hello\",\"protocol\":1,\"program\":\"test\"}\n";
 
@@ -26,10 +26,10 @@ fn lines() -> Vec<String> {
     [HELLO.to_owned(), field].into_iter().chain(drives).collect()
 }
 
-fn answers(engine: Engine, bytes: &[u8]) -> Vec<Result<Answer, Failure>> {
+fn answers(engine: Engine, bytes: &[u8]) -> Vec<Result<ModuleAnswer, Failure>> {
     let limits = Limits { memory: 64_000_000, answer: 1_000_000 };
     let module = Module::new(engine, "planner.wasm", bytes, limits).expect("a module");
-    let mut instance = Instance::new(&module, 1).expect("it fits");
+    let mut instance = ModuleInstance::new(&module, 1).expect("it fits");
     lines().iter().map(|line| instance.exchange(line.as_bytes(), 10_000_000_000, 0)).collect()
 }
 

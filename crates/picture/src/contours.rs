@@ -45,10 +45,15 @@ pub fn contour_lines(values: &Grid<f64>, level: f64) -> Vec<ContourLine> {
 
 /// A side of a square, by its first corner's place among the values: twice that, and one more if it goes on to the next row in
 /// place of the next column.
-type Side = usize;
+type SquareSide = usize;
 
 /// Finds the pieces of line within the square whose first corner is given.
-fn cross_square(values: &Grid<f64>, (row, col): (usize, usize), level: f64, piece: &mut impl FnMut(Side, Side)) {
+fn cross_square(
+    values: &Grid<f64>,
+    (row, col): (usize, usize),
+    level: f64,
+    piece: &mut impl FnMut(SquareSide, SquareSide),
+) {
     let corners = [(row, col), (row, col + 1), (row + 1, col + 1), (row + 1, col)].map(|place| values[place]);
     if !corners.iter().all(|corner| corner.is_finite()) {
         return;
@@ -58,7 +63,7 @@ fn cross_square(values: &Grid<f64>, (row, col): (usize, usize), level: f64, piec
     // In the order of corners: from each to the next one.
     let sides = [2 * first, 2 * (first + 1) + 1, 2 * (first + values.cols()), 2 * first + 1];
     let crossed = (0..4).filter(|&corner| is_high[corner] != is_high[(corner + 1) % 4]).map(|corner| sides[corner]);
-    match crossed.collect::<Vec<Side>>()[..] {
+    match crossed.collect::<Vec<SquareSide>>()[..] {
         [from, to] => piece(from, to),
         [_, _, _, _] => {
             let mean = corners.iter().map(|corner| 0.25 * corner).sum::<f64>();
@@ -73,11 +78,11 @@ fn cross_square(values: &Grid<f64>, (row, col): (usize, usize), level: f64, piec
 }
 
 /// Joins pieces at sides that they share: at most two pieces meet at a side.
-fn join(pieces: &[(Side, Side)]) -> Vec<Vec<Side>> {
-    let mut ends: Vec<(Side, usize)> =
+fn join(pieces: &[(SquareSide, SquareSide)]) -> Vec<Vec<SquareSide>> {
+    let mut ends: Vec<(SquareSide, usize)> =
         pieces.iter().enumerate().flat_map(|(piece, &(from, to))| [(from, piece), (to, piece)]).collect();
     ends.sort_unstable();
-    let pieces_at = |side: Side| {
+    let pieces_at = |side: SquareSide| {
         let first = ends.partition_point(|&(other, _)| other < side);
         ends[first..].iter().take_while(move |&&(other, _)| other == side).map(|&(_, piece)| piece)
     };
@@ -99,8 +104,8 @@ fn join(pieces: &[(Side, Side)]) -> Vec<Vec<Side>> {
     lines
 }
 
-fn sides_at(values: &Grid<f64>, sides: &[Side], level: f64) -> Vec<(f64, f64)> {
-    let at = |&side: &Side| {
+fn sides_at(values: &Grid<f64>, sides: &[SquareSide], level: f64) -> Vec<(f64, f64)> {
+    let at = |&side: &SquareSide| {
         let row = side / 2 / values.cols();
         let col = side / 2 % values.cols();
         let goes_up = side % 2 == 1;

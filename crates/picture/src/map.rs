@@ -14,7 +14,7 @@ use crate::text::{Align, draw_text, measure_text};
 use crate::thin_line::draw_line;
 use crate::ticks::indices;
 use crate::values::ValueScale;
-use crate::zoom::{BlockFace, CellBlock, Zoom};
+use crate::zoom::{BlockFace, DrawnBlock, Zoom};
 use wildfire_grid::Grid;
 
 /// The map from above: colours, obstacles, path, start and goal, with title, legend and numbers of rows and columns.
@@ -54,7 +54,7 @@ pub fn face_colour(face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
 }
 
 /// The colour of a block, in which cells that were jumped through differ from others without a value.
-fn block_colour(scene: &MapScene, block: &CellBlock, face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
+fn block_colour(scene: &MapScene, block: &DrawnBlock, face: BlockFace, scale: Option<&ValueScale>) -> Rgb {
     let is_swept = face == BlockFace::WithoutValue && block.places().any(|place| scene.is_swept(place));
     if is_swept { SWEPT } else { face_colour(face, scale) }
 }
@@ -169,7 +169,7 @@ impl<'a> Plate<'a> {
     }
 
     /// Colours every block of cells.
-    pub fn paint(&mut self, colour: &dyn Fn(&CellBlock) -> Rgb) {
+    pub fn paint(&mut self, colour: &dyn Fn(&DrawnBlock) -> Rgb) {
         let size = (self.scene.occupied.rows(), self.scene.occupied.cols());
         let pixels = self.zoom.pixels;
         let left = whole(self.corner.0);
@@ -329,7 +329,7 @@ fn paint_over(
     scene: &MapScene,
     legend: &Legend,
     grey: Option<&Grid<u8>>,
-    colour: &dyn Fn(&CellBlock, BlockFace) -> Rgb,
+    colour: &dyn Fn(&DrawnBlock, BlockFace) -> Rgb,
 ) -> Picture {
     let mut plate = Plate::around(scene, legend);
     plate.paint(&|block| {
@@ -343,7 +343,7 @@ fn paint_over(
     plate.finish()
 }
 
-fn darkest(grey: &Grid<u8>, block: &CellBlock) -> Rgb {
+fn darkest(grey: &Grid<u8>, block: &DrawnBlock) -> Rgb {
     let values = block.places().filter_map(|(row, col)| grey.get(row, col));
     [*values.min().unwrap_or(&255); 3]
 }

@@ -19,7 +19,7 @@ pub struct Zoom {
 
 /// The cells that are drawn as one square.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct CellBlock {
+pub struct DrawnBlock {
     pub rows: Range<usize>,
     pub cols: Range<usize>,
 }
@@ -77,13 +77,13 @@ impl Zoom {
         (index as f32 + 0.5) * self.cell()
     }
 
-    pub fn block(self, row: usize, col: usize, (rows, cols): (usize, usize)) -> CellBlock {
+    pub fn block(self, row: usize, col: usize, (rows, cols): (usize, usize)) -> DrawnBlock {
         let range = |index: usize, end: usize| index * self.cells..((index + 1) * self.cells).min(end);
-        CellBlock { rows: range(row, rows), cols: range(col, cols) }
+        DrawnBlock { rows: range(row, rows), cols: range(col, cols) }
     }
 }
 
-impl CellBlock {
+impl DrawnBlock {
     pub fn places(&self) -> impl Iterator<Item = Place> {
         self.rows.clone().flat_map(|row| self.cols.clone().map(move |col| (row, col)))
     }

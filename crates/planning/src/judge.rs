@@ -268,8 +268,8 @@ impl fmt::Display for BadPath {
                 write!(f, "{place}: ")?;
                 match obstacle {
                     Obstacle::Border if found_m < 0.0 => write!(f, "{} outside the field", Gap(-found_m))?,
-                    _ if found_m <= 0.0 => write!(f, "touching {}", Named(obstacle))?,
-                    _ => write!(f, "{} from {}", Gap(found_m), Named(obstacle))?,
+                    _ if found_m <= 0.0 => write!(f, "touching {}", NamedPath(obstacle))?,
+                    _ => write!(f, "{} from {}", Gap(found_m), NamedPath(obstacle))?,
                 }
                 write!(f, ", the least is {}", Gap(MIN_CLEARANCE_M))
             }
@@ -322,9 +322,9 @@ impl fmt::Display for Gap {
 }
 
 /// An obstacle by its name.
-struct Named(Obstacle);
+struct NamedPath(Obstacle);
 
-impl fmt::Display for Named {
+impl fmt::Display for NamedPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             Obstacle::Bush(cell) => write!(f, "the bush at cell {cell}"),

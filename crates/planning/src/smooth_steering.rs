@@ -99,7 +99,7 @@ impl CurvatureSmoother {
     /// of the body's centre.
     pub fn smooth(&self, path: &Path, ends_in_pose: bool) -> Path {
         let path = path.clone().joined();
-        let mut corners = Corners {
+        let mut corners = SmoothedPath {
             steering: self.steering,
             centre_offset_m: self.checker.body().centre_offset_m(),
             start: path.start,
@@ -136,13 +136,13 @@ impl CurvatureSmoother {
 
 /// The end of a path: where the body's centre is, and which way it points.
 #[derive(Clone, Copy)]
-struct End {
+struct PathEnd {
     centre: DVec2,
     heading: f64,
 }
 
 /// A path, and the speeds at which clothoids replace the corner behind each of its segments.
-struct Corners<'a> {
+struct SmoothedPath<'a> {
     steering: SteeringLimits,
     centre_offset_m: f64,
     start: Pose,
@@ -150,9 +150,9 @@ struct Corners<'a> {
     speeds_mps: Vec<Option<f64>>,
 }
 
-impl Corners<'_> {
+impl SmoothedPath<'_> {
     /// Returns the path with its clothoids, which ends as wanted; `None` if its segments are too short for that.
-    fn fit(&self, wanted: End, ends_in_pose: bool) -> Option<Path> {
+    fn fit(&self, wanted: PathEnd, ends_in_pose: bool) -> Option<Path> {
         let lever_m = if ends_in_pose { LEVER_M } else { 0.0 };
         // Where the heading does not count, its row is zero, and needs no more than to be solvable.
         let damping = DVec3::new(DAMPING, DAMPING, if ends_in_pose { DAMPING } else { 1.0 });
@@ -185,8 +185,8 @@ impl Corners<'_> {
         None
     }
 
-    fn end_of(&self, pose: Pose) -> End {
-        End { centre: pose.position() + pose.direction() * self.centre_offset_m, heading: pose.heading }
+    fn end_of(&self, pose: Pose) -> PathEnd {
+        PathEnd { centre: pose.position() + pose.direction() * self.centre_offset_m, heading: pose.heading }
     }
 
     /// Returns the arcs in place of the corner behind a segment, none where there is no clothoid.
@@ -330,7 +330,7 @@ mod tests {
         let start = Pose::new(40.0, 60.0, 0.3);
         let path = Path { start, segments: segments.to_vec() };
         let speeds_mps = vec![Some(6.0), Some(6.0), None, None];
-        let corners = Corners { steering: STEERING, centre_offset_m: 1.5, start, segments: &segments, speeds_mps };
+        let corners = SmoothedPath { steering: STEERING, centre_offset_m: 1.5, start, segments: &segments, speeds_mps };
         let wanted = corners.end_of(path.end());
         let smooth = corners.fit(wanted, true).expect("its segments are long enough");
         assert!(smooth.end().position().distance(path.end().position()) < 1e-8);
@@ -342,7 +342,7 @@ mod tests {
         });
         assert!(aside_m.fold(0.0, f64::max) < 1.0);
         let short = [segment(k, 1.0), segment(0.0, 1.0), segment(-k, 1.0), segment(0.0, -20.0)];
-        assert!(Corners { segments: &short, ..corners }.fit(wanted, true).is_none());
+        assert!(SmoothedPath { segments: &short, ..corners }.fit(wanted, true).is_none());
     }
 
     #[test]

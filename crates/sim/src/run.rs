@@ -135,12 +135,12 @@ pub struct PolicyTally {
 pub struct FailureMessages {
     pub first: Vec<String>,
     pub count: u64,
-    kinds: Vec<FailureKind>,
+    kinds: Vec<MessageKind>,
 }
 
 /// Messages that differ in their numbers at most.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct FailureKind {
+struct MessageKind {
     /// The beginning of the message without digits.
     key: String,
     first: String,
@@ -177,7 +177,7 @@ impl FailureMessages {
         if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.key == key) {
             kind.count += 1;
         } else if self.kinds.len() < Self::KEPT {
-            self.kinds.push(FailureKind { key, first: message, count: 1 });
+            self.kinds.push(MessageKind { key, first: message, count: 1 });
         }
     }
 
@@ -194,7 +194,7 @@ impl FailureMessages {
 impl fmt::Display for FailureMessages {
     /// Writes the first message of each kind with the number of those that it stands for, and how many more there were.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, FailureKind { first, count, .. }) in self.kinds.iter().enumerate() {
+        for (index, MessageKind { first, count, .. }) in self.kinds.iter().enumerate() {
             f.write_str(if index > 0 { "; " } else { "" })?;
             match count {
                 1 => f.write_str(first)?,

@@ -56,7 +56,7 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
         let caught = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
         return Some(caught.count() as u32);
     }
-    let limits = Limits::new(setting, fire, trucks);
+    let limits = TruckLimits::new(setting, fire, trucks);
     let jobs = limits.jobs(&acts);
     Some(limits.lost_to_spread(&jobs) + limits.left_uncovered(&jobs))
 }
@@ -108,7 +108,7 @@ impl Job {
 }
 
 /// The rules, and what they allow.
-struct Limits<'a> {
+struct TruckLimits<'a> {
     setting: &'a Setting,
     fire: FireRules,
     trucks: Vec<TruckBound>,
@@ -121,7 +121,7 @@ struct Limits<'a> {
     extinguish_all: bool,
 }
 
-impl<'a> Limits<'a> {
+impl<'a> TruckLimits<'a> {
     fn new(setting: &'a Setting, fire: FireRules, trucks: Vec<TruckBound>) -> Self {
         let rules = &setting.rules;
         Self {
@@ -434,7 +434,13 @@ mod tests {
 
     /// The most fires that trucks can put out if all they do is known, ways are straight, and nothing spreads: every order of
     /// every share of the fires for each truck.
-    fn max_saved(limits: &Limits<'_>, jobs: &[Job], truck: usize, stands: Option<(DVec2, f64)>, taken: u32) -> u32 {
+    fn max_saved(
+        limits: &TruckLimits<'_>,
+        jobs: &[Job],
+        truck: usize,
+        stands: Option<(DVec2, f64)>,
+        taken: u32,
+    ) -> u32 {
         let Some(reacher) = limits.trucks.get(truck) else { return 0 };
         let mut max = max_saved(limits, jobs, truck + 1, None, taken);
         for (number, job) in jobs.iter().enumerate().filter(|(number, _)| taken & (1 << number) == 0) {
@@ -478,7 +484,7 @@ mod tests {
                 swing_m: 0.0,
             });
             let fire = timeline.setting.rules.fire.expect("it is set");
-            let limits = Limits::new(&timeline.setting, fire, reachers.collect());
+            let limits = TruckLimits::new(&timeline.setting, fire, reachers.collect());
             let jobs = limits.jobs(&source_ignitions(&timeline));
             let loss = 5 - max_saved(&limits, &jobs, 0, None, 0);
             assert!(bound <= loss, "{bound} > {loss}: {trucks:?} {acts:?}");

@@ -326,7 +326,7 @@ pub fn random(seed: u64, duration: SimTime) -> Timeline {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Due {
+enum SampleEvent {
     BurnOut(Cell),
     Spread(Cell),
     WumpusArrives,
@@ -338,7 +338,7 @@ enum Due {
 struct World {
     timeline: Timeline,
     vegetation: Vec<BushState>,
-    queue: EventQueue<u8, (u32, Due)>,
+    queue: EventQueue<u8, (u32, SampleEvent)>,
     rng: Xoshiro256PlusPlus,
     limits: SpeedLimits,
     now: SimTime,
@@ -387,37 +387,37 @@ impl World {
         self.tell(Fact::Ended { reason: EndReason::Duration });
     }
 
-    fn handle(&mut self, revision: u32, due: Due) {
+    fn handle(&mut self, revision: u32, due: SampleEvent) {
         let outdated = revision != self.revision;
         match due {
-            Due::BurnOut(cell) if self.bush(cell).burns() => self.burn_out(cell),
-            Due::Spread(cell) if self.bush(cell).burns() => {
+            SampleEvent::BurnOut(cell) if self.bush(cell).burns() => self.burn_out(cell),
+            SampleEvent::Spread(cell) if self.bush(cell).burns() => {
                 for _ in 0..self.rng.random_range(0..12) {
                     if let Some(other) = self.pick(|bush| bush == BushState::Intact) {
                         self.ignite(other, Cause::Spread(cell));
                     }
                 }
             }
-            Due::WumpusArrives => {
+            SampleEvent::WumpusArrives => {
                 let goal = self.goals[0].take().expect("it walked to a goal");
                 if self.bush(goal) == BushState::Intact {
                     self.ignite(goal, Cause::Agent(WUMPUS));
-                    self.queue.push(self.now + seconds(10.0), 2, (0, Due::Spread(goal)));
+                    self.queue.push(self.now + seconds(10.0), 2, (0, SampleEvent::Spread(goal)));
                 }
                 self.wumpus_decides();
             }
-            Due::TruckArrives if !outdated => {
+            SampleEvent::TruckArrives if !outdated => {
                 let cell = self.goals[1].expect("it drove to a goal");
                 self.tell(Fact::Agent(TRUCK, AgentFact::Suppressing { cell, water_units: 1 }));
-                self.queue.push(self.now + seconds(5.0), 0, (revision, Due::TruckDone));
+                self.queue.push(self.now + seconds(5.0), 0, (revision, SampleEvent::TruckDone));
             }
-            Due::TruckDone if !outdated => {
+            SampleEvent::TruckDone if !outdated => {
                 let cell = self.goals[1].take().expect("it suppressed a goal");
                 self.change(cell, BushState::Extinguished);
                 self.tell(Fact::Fire(FireFact::Extinguished { cell, by: TRUCK }));
                 self.truck_decides();
             }
-            Due::TruckDecides => self.truck_decides(),
+            SampleEvent::TruckDecides => self.truck_decides(),
             _ => {}
         }
     }
@@ -433,10 +433,10 @@ impl World {
         let leg = self.legs[1].clone().expect("it has a goal, so it has a leg");
         if leg.end_time() <= self.now {
             self.tell(Fact::Agent(TRUCK, AgentFact::SuppressionEnded { cell }));
-            self.queue.push(self.now, 6, (0, Due::TruckDecides));
+            self.queue.push(self.now, 6, (0, SampleEvent::TruckDecides));
         } else {
             let trajectory = leg.stopping(self.now, &self.limits);
-            self.queue.push(trajectory.end_time(), 6, (0, Due::TruckDecides));
+            self.queue.push(trajectory.end_time(), 6, (0, SampleEvent::TruckDecides));
             self.legs[1] = Some(trajectory.clone());
             self.tell(Fact::Agent(TRUCK, AgentFact::Dropped { goal: cell, trajectory }));
         }
@@ -445,7 +445,7 @@ impl World {
     fn truck_decides(&mut self) {
         let Some(goal) = self.pick(BushState::burns) else {
             self.tell(Fact::Agent(TRUCK, AgentFact::Rested { reason: RestReason::NothingBurns }));
-            self.queue.push(self.now + seconds(7.0), 6, (0, Due::TruckDecides));
+            self.queue.push(self.now + seconds(7.0), 6, (0, SampleEvent::TruckDecides));
             return;
         };
         let effort = effort(self.rng.random_range(3..60), self.rng.random_range(5..400));
@@ -453,13 +453,13 @@ impl World {
             let reason = PlanFailure::Disconnected;
             let until = self.now + seconds(0.3);
             self.tell(Fact::Agent(TRUCK, AgentFact::PlanFailed { goal, reason, effort, until }));
-            self.queue.push(until, 6, (0, Due::TruckDecides));
+            self.queue.push(until, 6, (0, SampleEvent::TruckDecides));
             return;
         }
         let segments = (0..self.rng.random_range(3..=12)).map(|_| self.segment()).collect();
         let path = Path { start: self.stands(1), segments };
         let trajectory = self.set_out(1, goal, Trajectory::from_path(&path, self.now, self.limits));
-        self.queue.push(trajectory.end_time(), 4, (self.revision, Due::TruckArrives));
+        self.queue.push(trajectory.end_time(), 4, (self.revision, SampleEvent::TruckArrives));
         self.tell(Fact::Agent(TRUCK, AgentFact::Planned { goal, trajectory, effort, found_by: Some(FoundBy::Search) }));
     }
 
@@ -479,7 +479,7 @@ impl World {
             pieces.push(Piece::Drive { segment, speed_mps: 5.0, acceleration_mps2: 0.0 });
         }
         let trajectory = self.set_out(0, goal, Trajectory::new(self.now, self.stands(0), pieces));
-        self.queue.push(trajectory.end_time(), 4, (0, Due::WumpusArrives));
+        self.queue.push(trajectory.end_time(), 4, (0, SampleEvent::WumpusArrives));
         self.tell(Fact::Agent(WUMPUS, AgentFact::Planned { goal, trajectory, effort: effort(0, 300), found_by: None }));
     }
 
@@ -502,7 +502,7 @@ impl World {
     fn ignite(&mut self, cell: Cell, cause: Cause) {
         self.change(cell, BushState::Burning { since: self.now });
         self.tell(Fact::Fire(FireFact::Ignited { cell, cause }));
-        self.queue.push(self.now + seconds(60.0), 1, (0, Due::BurnOut(cell)));
+        self.queue.push(self.now + seconds(60.0), 1, (0, SampleEvent::BurnOut(cell)));
     }
 
     fn bush(&self, cell: Cell) -> BushState {

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use crate::mouse::Gesture;
 use crate::run_set::SeedStep;
-use crate::{Command, FrameBuffer, Player, RunSet, Viewer};
+use crate::{FrameBuffer, KeyCommand, Player, RunSet, Viewer};
 use wildfire_base::geometry::{FieldFrame, ops};
 use wildfire_base::time::SimTime;
 use wildfire_picture::film::{Camera, CameraTarget, FrameRequest, Projection, RunView, pick, still};
@@ -28,29 +28,29 @@ pub struct Controls<'w> {
 }
 
 impl Controls<'_> {
-    pub fn apply_command(&mut self, command: Command) {
+    pub fn apply_command(&mut self, command: KeyCommand) {
         if !self.runs.is_waiting() {
             self.viewer.message = None;
         }
         match command {
-            Command::TogglePause => self.player.toggle_pause(),
-            Command::NextEvent => self.step_to(self.runs.next_event(self.player.clock())),
-            Command::PreviousEvent => self.step_to(self.runs.previous_event(self.player.clock())),
-            Command::Seek(seconds) => self.player.seek_by(seconds),
-            Command::Faster => self.player.faster(),
-            Command::Slower => self.player.slower(),
-            Command::ToStart => self.player.seek(SimTime::ZERO),
-            Command::ToEnd => self.player.seek(SimTime::MAX),
-            Command::WholeField => self.viewer.options.camera = Camera::WHOLE,
-            Command::FollowNext => self.viewer.follow_next(self.runs.runs()[0]),
-            Command::Deselect => self.deselect(),
-            Command::Rerun => self.request(SeedStep::Rerun),
-            Command::NextSeed => self.request(SeedStep::Next),
-            Command::PreviousSeed => self.request(SeedStep::Previous),
-            Command::SaveStill => self.save(),
-            Command::Toggle(layer) => self.viewer.options.layers.toggle(layer),
-            Command::ToggleHelp => self.viewer.options.shows_help ^= true,
-            Command::Quit => _ = self.exit.write(AppExit::Success),
+            KeyCommand::TogglePause => self.player.toggle_pause(),
+            KeyCommand::NextEvent => self.step_to(self.runs.next_event(self.player.clock())),
+            KeyCommand::PreviousEvent => self.step_to(self.runs.previous_event(self.player.clock())),
+            KeyCommand::Seek(seconds) => self.player.seek_by(seconds),
+            KeyCommand::Faster => self.player.faster(),
+            KeyCommand::Slower => self.player.slower(),
+            KeyCommand::ToStart => self.player.seek(SimTime::ZERO),
+            KeyCommand::ToEnd => self.player.seek(SimTime::MAX),
+            KeyCommand::WholeField => self.viewer.options.camera = Camera::WHOLE,
+            KeyCommand::FollowNext => self.viewer.follow_next(self.runs.runs()[0]),
+            KeyCommand::Deselect => self.deselect(),
+            KeyCommand::Rerun => self.request(SeedStep::Rerun),
+            KeyCommand::NextSeed => self.request(SeedStep::Next),
+            KeyCommand::PreviousSeed => self.request(SeedStep::Previous),
+            KeyCommand::SaveStill => self.save(),
+            KeyCommand::Toggle(layer) => self.viewer.options.layers.toggle(layer),
+            KeyCommand::ToggleHelp => self.viewer.options.shows_help ^= true,
+            KeyCommand::Quit => _ = self.exit.write(AppExit::Success),
         }
     }
 

@@ -50,7 +50,8 @@ fn press_key(key: &KeyboardInput, is_shifted: &mut bool, controls: &mut Controls
         *is_shifted = is_pressed;
         return;
     }
-    let command = Command::from_key(&key.logical_key, *is_shifted).filter(|command| !key.repeat || command.repeats());
+    let command =
+        KeyCommand::from_key(&key.logical_key, *is_shifted).filter(|command| !key.repeat || command.repeats());
     if let (true, Some(command)) = (is_pressed, command) {
         controls.apply_command(command);
     }
@@ -73,7 +74,7 @@ fn notches(wheel: &MouseWheel) -> f64 {
 
 /// The commands of keys.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command {
+pub enum KeyCommand {
     TogglePause,
     NextEvent,
     PreviousEvent,
@@ -96,7 +97,7 @@ pub enum Command {
     Quit,
 }
 
-impl Command {
+impl KeyCommand {
     /// Returns the command of a key; letters in either case, signs wherever the layout of the keyboard has them.
     pub fn from_key(key: &Key, is_shifted: bool) -> Option<Self> {
         let step = if is_shifted { 60.0 } else { 10.0 };
@@ -144,30 +145,30 @@ mod tests {
     use super::*;
     use wildfire_picture::film::{BINDINGS, Binding};
 
-    fn typed(text: &str) -> Option<Command> {
-        Command::from_key(&Key::Character(text.into()), false)
+    fn typed(text: &str) -> Option<KeyCommand> {
+        KeyCommand::from_key(&Key::Character(text.into()), false)
     }
 
     #[test]
     fn arrows_seek_further_with_shift() {
-        assert_eq!(Command::from_key(&Key::ArrowRight, false), Some(Command::Seek(10.0)));
-        assert_eq!(Command::from_key(&Key::ArrowLeft, true), Some(Command::Seek(-60.0)));
+        assert_eq!(KeyCommand::from_key(&Key::ArrowRight, false), Some(KeyCommand::Seek(10.0)));
+        assert_eq!(KeyCommand::from_key(&Key::ArrowLeft, true), Some(KeyCommand::Seek(-60.0)));
     }
 
     #[test]
     fn letters_count_in_either_case_and_other_keys_do_nothing() {
-        assert_eq!(typed("q"), Some(Command::Quit));
-        assert_eq!(typed("Q"), Some(Command::Quit));
+        assert_eq!(typed("q"), Some(KeyCommand::Quit));
+        assert_eq!(typed("Q"), Some(KeyCommand::Quit));
         assert_eq!(typed("="), typed("+"));
         assert_eq!(typed("ü"), None);
         assert_eq!(typed("qq"), None);
-        assert_eq!(Command::from_key(&Key::Tab, false), None);
+        assert_eq!(KeyCommand::from_key(&Key::Tab, false), None);
     }
 
     #[test]
     fn every_layer_has_its_key() {
         for layer in Layer::ALL {
-            assert_eq!(typed(&layer.key().to_string()), Some(Command::Toggle(layer)), "{}", layer.name());
+            assert_eq!(typed(&layer.key().to_string()), Some(KeyCommand::Toggle(layer)), "{}", layer.name());
         }
     }
 

@@ -24,7 +24,7 @@ mod window;
 pub use failure::ViewError;
 pub use frame::{PlayerPlugin, ViewSystems, Viewer};
 pub use frame_buffer::FrameBuffer;
-pub use input::Command;
+pub use input::KeyCommand;
 pub use player::Player;
 pub use run_set::{RunLoader, RunSet};
 pub use screen::ScreenPlugin;

@@ -22,7 +22,7 @@ const MEMORY: MemoryLimit = MemoryLimit { bytes: 512_000_000 };
 /// A question of a page.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-enum Request {
+enum PageRequest {
     /// The built-in scenarios and planners.
     Catalogue,
     /// Begins a run, or a game where some side is played; answers that are given are carried out when they are asked for.
@@ -138,10 +138,10 @@ impl Session {
         answered.unwrap_or_else(|refusal| json!({ "error": refusal }).to_string())
     }
 
-    fn execute(&mut self, request: Request) -> Result<String, SessionError> {
+    fn execute(&mut self, request: PageRequest) -> Result<String, SessionError> {
         match request {
-            Request::Catalogue => Ok(catalogue().to_string()),
-            Request::Open { scenario, changes, seed, plays, answers, searches } => {
+            PageRequest::Catalogue => Ok(catalogue().to_string()),
+            PageRequest::Open { scenario, changes, seed, plays, answers, searches } => {
                 // The memory of the run before is free for the next one.
                 self.run = None;
                 let making = LiveRun::open(Game::new(scenario, changes, seed, plays), answers, searches)?;
@@ -149,29 +149,29 @@ impl Session {
                 self.run = Some(making);
                 Ok(opened.to_string())
             }
-            Request::Advance { to_ns } => {
+            PageRequest::Advance { to_ns } => {
                 let making = self.making()?;
                 // Beyond any time of a run a number of JSON is the end of time.
                 making.advance(SimTime::from_nanos(to_ns as u64))?;
                 Ok(making.state().to_string())
             }
-            Request::Answer { agent, choice } => {
+            PageRequest::Answer { agent, choice } => {
                 self.making()?.answer(agent.into(), choice)?;
                 Ok("{}".to_owned())
             }
-            Request::Decide { agent } => {
+            PageRequest::Decide { agent } => {
                 let choice = self.making()?.decide(agent)?;
                 Ok(json!({ "choice": choice }).to_string())
             }
-            Request::Page => {
+            PageRequest::Page => {
                 let timeline = self.making()?.so_far();
                 let view = RunView::new(timeline, None);
                 let options = ViewOptions::default();
                 Ok(page_data(&FrameRequest { runs: &[&view], time: SimTime::ZERO, options: &options }))
             }
-            Request::Finish => self.making()?.finish(),
-            Request::Rivals { side } => Ok(json!(rivals(side, self.making()?.simulation.setting())).to_string()),
-            Request::Rival { changes } => {
+            PageRequest::Finish => self.making()?.finish(),
+            PageRequest::Rivals { side } => Ok(json!(rivals(side, self.making()?.simulation.setting())).to_string()),
+            PageRequest::Rival { changes } => {
                 let mut game = self.making()?.game.clone();
                 game.changes.extend(changes);
                 let scenario =

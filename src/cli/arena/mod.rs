@@ -23,7 +23,8 @@ use wildfire_base::whole_file::write_whole;
 use wildfire_batch::arena::{
     ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Board, Played, Players, TRACKS, Track, TrackBoard, play,
 };
-use wildfire_batch::{BatchPlan, CourseRefusal, Failures, MAX_SEEDS_BYTES, Seeds, planner_of};
+use wildfire_batch::plan::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds, planner_of};
+use wildfire_batch::report::Failures;
 #[cfg(unix)]
 use wildfire_sim::programs::ProgramPool;
 use wildfire_sim::scenario::Scenario;
@@ -42,9 +43,9 @@ pub enum ArenaCommand {
     /// Check an entry before it is submitted: its rules, three seeds of each track, and what all seeds would cost.
     SubmitCheck(SubmitArguments),
     /// Play entries on a track and add their rows to a board.
-    Run(RunArguments),
+    Run(ArenaRunArguments),
     /// Rank the entries of a board; write the ranking beside its rows as JSON, Markdown and a page, and a data card.
-    Rank(RankArguments),
+    Rank(ArenaRankArguments),
     /// Play a board's runs again and name rows that differ; exit with 4 if there are any.
     Recompute(RecomputeArguments),
     /// Play the reference entries and compare them with the frozen rows; exit with 4 if any row differs.
@@ -62,7 +63,7 @@ pub struct TracksArguments {
 
 /// How runs are played.
 #[derive(Clone, Debug, Args)]
-pub struct PlayArguments {
+pub struct ArenaPlayArguments {
     /// Number of threads [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -80,7 +81,7 @@ pub struct SubmitArguments {
     #[arg(long, value_name = "NAME")]
     pub track: Vec<String>,
     #[command(flatten)]
-    pub play: PlayArguments,
+    pub play: ArenaPlayArguments,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -94,7 +95,7 @@ Examples:
   wildfire arena submit-check entries/mine
   wildfire arena run entries/mine entries/yours --track contest
   wildfire arena rank")]
-pub struct RunArguments {
+pub struct ArenaRunArguments {
     /// Entries: folders with entry.toml, or such files.
     #[arg(value_name = "ENTRY", required = true)]
     pub entries: Vec<PathBuf>,
@@ -108,11 +109,11 @@ pub struct RunArguments {
     #[arg(long, value_name = "DIR", default_value = BOARD)]
     pub board: PathBuf,
     #[command(flatten)]
-    pub play: PlayArguments,
+    pub play: ArenaPlayArguments,
 }
 
 #[derive(Debug, Args)]
-pub struct RankArguments {
+pub struct ArenaRankArguments {
     /// Folder of the board.
     #[arg(value_name = "BOARD", default_value = BOARD)]
     pub board: PathBuf,
@@ -135,7 +136,7 @@ pub struct RecomputeArguments {
     #[arg(long, value_name = "NAME")]
     pub track: Vec<String>,
     #[command(flatten)]
-    pub play: PlayArguments,
+    pub play: ArenaPlayArguments,
 }
 
 #[derive(Debug, Args)]
@@ -147,7 +148,7 @@ pub struct VerifyArguments {
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroUsize>,
     #[command(flatten)]
-    pub play: PlayArguments,
+    pub play: ArenaPlayArguments,
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {
@@ -159,11 +160,11 @@ fn parse_share(text: &str) -> Result<f64, String> {
 pub fn run(command: &ArenaCommand, context: &CommandContext) -> Result<ExitCode, CliError> {
     match command {
         ArenaCommand::Tracks(arguments) => tracks(arguments, context),
-        ArenaCommand::SubmitCheck(arguments) => submit_check(arguments, &Stage::new(&arguments.play, context)),
-        ArenaCommand::Run(arguments) => add_to_board(arguments, &Stage::new(&arguments.play, context)),
+        ArenaCommand::SubmitCheck(arguments) => submit_check(arguments, &ArenaStage::new(&arguments.play, context)),
+        ArenaCommand::Run(arguments) => add_to_board(arguments, &ArenaStage::new(&arguments.play, context)),
         ArenaCommand::Rank(arguments) => rank(arguments),
-        ArenaCommand::Recompute(arguments) => recompute(arguments, &Stage::new(&arguments.play, context)),
-        ArenaCommand::Verify(arguments) => verify(arguments, &Stage::new(&arguments.play, context)),
+        ArenaCommand::Recompute(arguments) => recompute(arguments, &ArenaStage::new(&arguments.play, context)),
+        ArenaCommand::Verify(arguments) => verify(arguments, &ArenaStage::new(&arguments.play, context)),
     }
 }
 
@@ -231,13 +232,13 @@ fn tracks(arguments: &TracksArguments, context: &CommandContext) -> Result<ExitC
 }
 
 /// Where entries are played: threads, and trust.
-struct Stage {
+struct ArenaStage {
     context: CommandContext,
     jobs: usize,
 }
 
-impl Stage {
-    fn new(arguments: &PlayArguments, context: &CommandContext) -> Self {
+impl ArenaStage {
+    fn new(arguments: &ArenaPlayArguments, context: &CommandContext) -> Self {
         let programs = ProgramArguments { trust: arguments.trust, ..ProgramArguments::default() };
         Self { context: context.with_programs(&programs), jobs: jobs_or_all(arguments.jobs) }
     }
@@ -288,7 +289,7 @@ fn seeds_of(track: &Track, which: &str) -> Result<Seeds, CliError> {
     Seeds::from_file_text(&text).map_err(|error| CliError::bad_input(format_args!("{which}: {error}"), None))
 }
 
-fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+fn add_to_board(arguments: &ArenaRunArguments, stage: &ArenaStage) -> Result<ExitCode, CliError> {
     let entries = arguments.entries.iter().map(|path| ArenaEntry::read(path)).collect::<Result<Vec<_>, _>>()?;
     let selected = selected_tracks(&arguments.track)?;
     let board = Board::new(&arguments.board);
@@ -324,13 +325,13 @@ fn add_to_board(arguments: &RunArguments, stage: &Stage) -> Result<ExitCode, Cli
     if !stage.context.quiet {
         terminal::note(&format!(
             "rank them: wildfire arena rank {}",
-            wildfire_batch::shell_word(&arguments.board.display().to_string())
+            wildfire_batch::plan::shell_word(&arguments.board.display().to_string())
         ));
     }
     Ok(if has_violation { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
 }
 
-fn rank(arguments: &RankArguments) -> Result<ExitCode, CliError> {
+fn rank(arguments: &ArenaRankArguments) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
     let mut boards: Vec<TrackBoard> = Vec::new();
     for track in selected_tracks(&arguments.track)? {
@@ -362,7 +363,7 @@ struct ReplayReport {
 
 /// Plays rows again. Programs may lack something on this machine, so a run in which one does not start is no difference.
 fn replay(
-    stage: &Stage,
+    stage: &ArenaStage,
     track: &'static Track,
     plan: &BatchPlan,
     rows: &[&ArenaRow],
@@ -372,7 +373,7 @@ fn replay(
     let seeds: BTreeMap<u64, u64> = plan.seeds.iter().zip(1..).collect();
     let mut numbers = BTreeMap::new();
     for row in rows {
-        let is_it = |swept: &[wildfire_batch::Value]| {
+        let is_it = |swept: &[wildfire_batch::plan::Value]| {
             swept[0].to_string() == row.entry
                 && swept.get(1).map_or(String::new(), ToString::to_string) == row.condition
         };
@@ -419,7 +420,7 @@ fn report_differences(what: &str, runs: usize, found: &[String], files: &[String
     Ok(if found.is_empty() && files.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
-fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+fn recompute(arguments: &RecomputeArguments, stage: &ArenaStage) -> Result<ExitCode, CliError> {
     let board = Board::new(&arguments.board);
     let tracks = selected_tracks(&arguments.track)?;
     let mut work = Vec::new();
@@ -479,7 +480,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &Stage) -> Result<ExitCode, 
     report_differences("what the board says", runs - left, &replayed.differences, &files)
 }
 
-fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+fn verify(arguments: &VerifyArguments, stage: &ArenaStage) -> Result<ExitCode, CliError> {
     let mut work = Vec::new();
     for track in selected_tracks(&arguments.track)? {
         let seeds = track.public_seeds();
@@ -504,7 +505,7 @@ fn verify(arguments: &VerifyArguments, stage: &Stage) -> Result<ExitCode, CliErr
     report_differences("the rows that were frozen", runs, &replayed.differences, &[])
 }
 
-fn submit_check(arguments: &SubmitArguments, stage: &Stage) -> Result<ExitCode, CliError> {
+fn submit_check(arguments: &SubmitArguments, stage: &ArenaStage) -> Result<ExitCode, CliError> {
     let entry = ArenaEntry::read(&arguments.entry)?;
     let mut rows = Vec::new();
     let mut objects = Vec::new();

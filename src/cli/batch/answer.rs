@@ -7,11 +7,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use wildfire_base::document::{Block, Document};
+use wildfire_batch::execute::{Machine, OutputFolder};
+use wildfire_batch::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Record, shell_word};
+use wildfire_batch::report::{BatchReport, Tally, VariantReport, WrittenReport};
 use wildfire_batch::stats::{Interval, Series};
-use wildfire_batch::{
-    BatchPlan, BatchReport, COMMIT, COMPILER, Machine, OutputFolder, PROGRAM_VERSION, RUN_COLUMNS, Record, Tally,
-    VariantReport, WrittenReport, shell_word,
-};
+use wildfire_batch::table::RUN_COLUMNS;
 
 /// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
 /// `wildfire report --json`; the members in their order.

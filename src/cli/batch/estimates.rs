@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use wildfire_batch::{BatchPlan, RunEnd};
+use wildfire_batch::execute::RunEnd;
+use wildfire_batch::plan::BatchPlan;
 
 /// Nothing is said of entries that take less.
 const MIN: Duration = Duration::from_secs(60);

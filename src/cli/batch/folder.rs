@@ -25,12 +25,15 @@ use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
-use wildfire_batch::{
-    BatchError, BatchPlan, BatchStatus, FailedRuns, FieldPicture, FinishedBatch, JournalError, JournalScan,
-    MissingRuns, NotableRun, OutputFolder, PlanError, RUNS_FILE, RealDisk, ReportError, ReportParts,
-    SelectedQuantities, Slice, SliceState, batch_status, limit_threads, notable_runs, range_text, runs_with_pages,
-    shell_word, write_report,
+use wildfire_batch::execute::{
+    BatchError, BatchStatus, FailedRuns, JournalError, JournalScan, MissingRuns, OutputFolder, RUNS_FILE, RealDisk,
+    SliceState, batch_status, limit_threads,
 };
+use wildfire_batch::plan::{BatchPlan, PlanError, Slice, range_text, shell_word};
+use wildfire_batch::report::{
+    FieldPicture, NotableRun, ReportError, ReportParts, SelectedQuantities, notable_runs, runs_with_pages, write_report,
+};
+use wildfire_batch::table::FinishedBatch;
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, still};
 
 #[derive(Debug, Args)]
@@ -112,10 +115,10 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
     interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
     let watch = interrupt::watch(interrupt::USUAL_TIDYING);
-    let mut waiting = arguments.wait.map(|seconds| Waiting::new(&folder, Duration::from_secs_f64(seconds), quiet));
+    let mut waiting = arguments.wait.map(|seconds| OthersWait::new(&folder, Duration::from_secs_f64(seconds), quiet));
     limit_threads(jobs_or_usual(arguments.jobs));
     let merged = loop {
-        let error = match wildfire_batch::merge(&folder, &RealDisk, watch.stop()) {
+        let error = match wildfire_batch::report::merge(&folder, &RealDisk, watch.stop()) {
             Ok(merged) => break merged,
             Err(error) => error,
         };
@@ -152,7 +155,7 @@ fn is_unfinished(error: &BatchError) -> bool {
 }
 
 /// A wait for the runs of other processes.
-struct Waiting<'a> {
+struct OthersWait<'a> {
     folder: &'a OutputFolder,
     patience: Duration,
     quiet: bool,
@@ -160,7 +163,7 @@ struct Waiting<'a> {
     since_last_run: WallStopwatch,
 }
 
-impl<'a> Waiting<'a> {
+impl<'a> OthersWait<'a> {
     /// The time between two looks.
     const LOOK: Duration = Duration::from_secs(1);
 

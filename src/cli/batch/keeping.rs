@@ -6,7 +6,8 @@ use std::time::Duration;
 use clap::Args;
 
 use crate::cli::{interrupt, numbers};
-use wildfire_batch::{JournalKeeping, Lock, shell_word};
+use wildfire_batch::execute::{JournalKeeping, Lock};
+use wildfire_batch::plan::shell_word;
 
 /// How journals are locked.
 #[derive(Clone, Debug, Args)]

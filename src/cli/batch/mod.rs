@@ -28,10 +28,12 @@ use args::RUNS_FOLDER;
 use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
-use wildfire_batch::{
-    Batch, BatchError, BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, FinishedBatch, Found,
-    OutputFolder, PROGRAM_VERSION, RequestError, SelectedDecisions, Slice, Status, limit_threads, shell_word,
+use wildfire_batch::decisions::SelectedDecisions;
+use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, Status, limit_threads};
+use wildfire_batch::plan::{
+    BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, PROGRAM_VERSION, RequestError, Slice, shell_word,
 };
+use wildfire_batch::table::FinishedBatch;
 use wildfire_sim::scenario::ScenarioText;
 
 /// The most variants that a dry run lists.

@@ -13,7 +13,8 @@ use crate::cli::args::{NamedCommand, NamedModule};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
-use wildfire_batch::{BatchPlan, OutputFolder, Pilot, file_name_of, shell_word};
+use wildfire_batch::execute::{OutputFolder, Pilot, file_name_of};
+use wildfire_batch::plan::{BatchPlan, shell_word};
 
 /// The tasks that a batch is cut into.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,8 +11,8 @@ use crate::cli::error::CliError;
 use crate::cli::next_command::help_on_unfinished;
 use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
-use wildfire_batch::TableError;
 use wildfire_batch::comparison::{Amount, ComparisonError, PublishedComparison, Questions, Selection, compare};
+use wildfire_batch::table::TableError;
 
 const NOTES: &str = "\
 Examples:

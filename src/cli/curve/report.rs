@@ -7,7 +7,7 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Pose;
 use wildfire_base::object;
 use wildfire_base::vehicle::{CurvePrice, Dimensions, Dubins, Path, ReedsShepp, Segment, dubins, reeds_shepp};
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_picture::{CurveScene, Picture, draw_curves};
 
 /// A pose as it was given.

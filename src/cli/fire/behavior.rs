@@ -20,7 +20,7 @@ use wildfire_base::geometry::compass;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_base::object;
 use wildfire_base::object::Members;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_fire::fuel::{FUEL_MODELS, FuelModel};
 use wildfire_fire::surface::crown::{CrownConditions, CrownFire, CrownUnits, model_10};
 use wildfire_fire::surface::{

@@ -11,7 +11,7 @@ use wildfire_base::geometry::{DVec2, Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
-use wildfire_batch::missed;
+use wildfire_batch::drives::missed;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::judge::{DriveFigures, Judge, MAX_FIELDS_LONG, lower_bound_ratio};
 use wildfire_planning::{Goal, lower_bound_m};
@@ -47,7 +47,7 @@ pub struct PathJudge<'a> {
 
 /// Two poses joined by an arc.
 #[derive(Clone, Copy, Debug)]
-struct Arc {
+struct PoseArc {
     /// The line of the second pose.
     line: u64,
     start: Pose,
@@ -58,7 +58,7 @@ struct Arc {
     slip_m: f64,
 }
 
-impl Arc {
+impl PoseArc {
     fn new(from: &TablePose, to: &TablePose) -> Self {
         let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
         let along = Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction();
@@ -106,7 +106,7 @@ impl<'a> PathJudge<'a> {
 
     /// Returns the figures of a path to a goal, and the first thing that is wrong with it, in words.
     pub fn judge(&self, goal: Goal, poses: &[TablePose]) -> (DriveFigures, Option<String>) {
-        let arcs: Vec<Arc> = poses.windows(2).map(|pair| Arc::new(&pair[0], &pair[1])).collect();
+        let arcs: Vec<PoseArc> = poses.windows(2).map(|pair| PoseArc::new(&pair[0], &pair[1])).collect();
         let start = poses[0].pose;
         let end = poses[poses.len() - 1].pose;
         let segments = arcs.iter().map(|arc| arc.segment).collect();
@@ -114,7 +114,7 @@ impl<'a> PathJudge<'a> {
         let length_m = path.length_m() + 0.0;
         let bound_m = lower_bound_m(self.problem.start, goal, self.body());
         let changes = poses.windows(2).skip(1).filter(|pair| pair[0].is_reverse != pair[1].is_reverse);
-        let samples = || arcs.iter().flat_map(Arc::samples);
+        let samples = || arcs.iter().flat_map(PoseArc::samples);
         let frame = self.problem.terrain.frame;
         let max_m = MAX_FIELDS_LONG * (frame.width_m() + frame.height_m());
         // The way of a path without end is not looked at.
@@ -145,7 +145,7 @@ impl<'a> PathJudge<'a> {
     }
 
     /// Finds the first place where the arcs turn too sharply, do not lead on, or touch something.
-    fn violation(&self, arcs: &[Arc]) -> Option<String> {
+    fn violation(&self, arcs: &[PoseArc]) -> Option<String> {
         let radius_m = self.body().turning_radius_m;
         let max = (1.0 + CURVATURE_SHARE) / radius_m + CURVATURE_SLACK;
         let (mut along_m, mut slipped_m) = (0.0, 0.0_f64);

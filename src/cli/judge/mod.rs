@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use joined::PathJudge;
-use path_table::{Fault, PathTable, TablePath};
+use path_table::{PathTable, PathTableError, TablePath};
 use report::JudgeReport;
 
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
@@ -24,7 +24,7 @@ use crate::cli::plan::goal_count;
 use crate::cli::report::FormArguments;
 use crate::cli::together::{self, mode_parser};
 use wildfire_base::document::number::count;
-use wildfire_batch::{
+use wildfire_batch::drives::{
     Attempt, AttemptSettings, DriveError, DriveFailure, DriveProblems, DriveQuery, attempts, shortened_field,
 };
 use wildfire_planning::judge::DriveFigures;
@@ -207,7 +207,7 @@ fn row_of_attempt(attempt: &Attempt, goal: usize, name: &str) -> DriveQuery {
 }
 
 /// Returns the row of a path that was computed elsewhere.
-fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Verdict>) -> DriveQuery {
+fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<PathVerdict>) -> DriveQuery {
     let (figures, violation) = verdict.unzip();
     DriveQuery {
         seed: None,
@@ -261,14 +261,15 @@ fn judge_table(
 }
 
 /// The figures of a path, and its first violation.
-type Verdict = (DriveFigures, Option<String>);
+type PathVerdict = (DriveFigures, Option<String>);
 
 /// Verdicts by planner, field and goal.
-type Verdicts = BTreeMap<(usize, usize, usize), Verdict>;
+type Verdicts = BTreeMap<(usize, usize, usize), PathVerdict>;
 
 /// Judges all paths of a table, one after the other; returns who computed them too.
 fn judge_paths(paths: &Path, problems: &[Problem]) -> Result<(Vec<String>, Verdicts), CliError> {
-    let bad = |fault: Fault| CliError::from_input_error(format_args!("{}: {fault}", paths.display()), fault.kind());
+    let bad =
+        |fault: PathTableError| CliError::from_input_error(format_args!("{}: {fault}", paths.display()), fault.kind());
     let mut table = PathTable::open(paths, problems).map_err(bad)?;
     let mut verdicts = Verdicts::new();
     let mut judge: Option<(usize, PathJudge)> = None;

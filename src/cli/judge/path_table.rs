@@ -52,7 +52,7 @@ const DIRECTION: usize = 6;
 
 /// A fault of a table of paths: a sentence to follow its path. Lines are counted from 1.
 #[derive(Debug, Error)]
-pub enum Fault {
+pub enum PathTableError {
     #[error("cannot be read: {0}")]
     Unreadable(#[from] io::Error),
     #[error("the file is empty; expected a header with the columns {}", COLUMNS.join(","))]
@@ -102,7 +102,7 @@ pub enum Fault {
     TooManyPoses { line: u64 },
 }
 
-impl Fault {
+impl PathTableError {
     /// Returns the kind of error of an input that has this fault.
     pub fn kind(&self) -> ErrorKind {
         match self {
@@ -112,7 +112,7 @@ impl Fault {
     }
 }
 
-impl From<RowFault> for Fault {
+impl From<RowFault> for PathTableError {
     fn from(fault: RowFault) -> Self {
         match fault {
             RowFault::Unreadable(error) => Self::Unreadable(error),
@@ -142,7 +142,7 @@ pub struct TablePath {
 }
 
 /// Planner, problem and goal of a row.
-type Key = (usize, usize, usize);
+type PathKey = (usize, usize, usize);
 
 /// A table of paths, of which one path is kept at a time.
 pub struct PathTable<'a> {
@@ -155,17 +155,17 @@ pub struct PathTable<'a> {
     /// The index of each of [`COLUMNS`] in a row, if it is there.
     places: [Option<usize>; COLUMNS.len()],
     /// The first row of the next path, if it has been read.
-    next: Option<(Key, TablePose)>,
+    next: Option<(PathKey, TablePose)>,
     /// All paths that have begun.
-    started: BTreeSet<Key>,
+    started: BTreeSet<PathKey>,
 }
 
 impl<'a> PathTable<'a> {
     /// Reads the header of a table of paths on these fields.
-    pub fn open(path: &Path, problems: &'a [Problem]) -> Result<Self, Fault> {
+    pub fn open(path: &Path, problems: &'a [Problem]) -> Result<Self, PathTableError> {
         let mut rows = CsvRows::open(path)?;
         if !rows.advance()? {
-            return Err(Fault::Empty);
+            return Err(PathTableError::Empty);
         }
         let line = rows.line();
         let mut places = [None; COLUMNS.len()];
@@ -174,10 +174,10 @@ impl<'a> PathTable<'a> {
                 [place] => Some(place),
                 [] if index == PLANNER || index == FIELD && problems.len() == 1 => None,
                 [] if index == FIELD && !rows.places("goal").is_empty() => {
-                    return Err(Fault::NoField { line, fields: problems.len() });
+                    return Err(PathTableError::NoField { line, fields: problems.len() });
                 }
-                [] => return Err(Fault::Missing { line, column }),
-                _ => return Err(Fault::Twice { line, column }),
+                [] => return Err(PathTableError::Missing { line, column }),
+                _ => return Err(PathTableError::Twice { line, column }),
             };
         }
         let width = rows.fields().count();
@@ -190,19 +190,19 @@ impl<'a> PathTable<'a> {
     }
 
     /// Reads the next path; `None` at the end of the file.
-    pub fn next(&mut self) -> Result<Option<TablePath>, Fault> {
+    pub fn next(&mut self) -> Result<Option<TablePath>, PathTableError> {
         let first = match self.next.take() {
             Some(row) => Some(row),
             None => self.read_row()?,
         };
         let Some((key, pose)) = first else {
-            return if self.started.is_empty() { Err(Fault::NoRows) } else { Ok(None) };
+            return if self.started.is_empty() { Err(PathTableError::NoRows) } else { Ok(None) };
         };
         let (planner, problem, goal) = key;
         if !self.started.insert(key) {
             let name = visible_start(&self.planners[planner]);
             let field = visible_start(&self.problems[problem].name);
-            return Err(Fault::Again { line: pose.line, planner: name, goal, field });
+            return Err(PathTableError::Again { line: pose.line, planner: name, goal, field });
         }
         let mut poses = vec![pose];
         while let Some((found, pose)) = self.read_row()? {
@@ -212,14 +212,14 @@ impl<'a> PathTable<'a> {
             }
             check_step(&poses[poses.len() - 1], &pose)?;
             if poses.len() == MAX_POSES {
-                return Err(Fault::TooManyPoses { line: pose.line });
+                return Err(PathTableError::TooManyPoses { line: pose.line });
             }
             poses.push(pose);
         }
         Ok(Some(TablePath { planner, problem, goal, poses }))
     }
 
-    fn read_row(&mut self) -> Result<Option<(Key, TablePose)>, Fault> {
+    fn read_row(&mut self) -> Result<Option<(PathKey, TablePose)>, PathTableError> {
         if !self.rows.advance()? {
             return Ok(None);
         }
@@ -233,11 +233,11 @@ impl<'a> PathTable<'a> {
             }
         }
         if found != self.width {
-            return Err(Fault::Ragged { line, found, expected: self.width });
+            return Err(PathTableError::Ragged { line, found, expected: self.width });
         }
         let number = |index: usize| {
             let number = self.rows.number(cells[index]);
-            number.filter(|number| NUMBERS.contains(number)).ok_or_else(|| Fault::Number {
+            number.filter(|number| NUMBERS.contains(number)).ok_or_else(|| PathTableError::Number {
                 line,
                 column: COLUMNS[index],
                 found: shown(cells[index]),
@@ -247,12 +247,12 @@ impl<'a> PathTable<'a> {
         let is_reverse = match cells[DIRECTION] {
             b"forward" => false,
             b"reverse" => true,
-            other => return Err(Fault::Direction { line, found: shown(other) }),
+            other => return Err(PathTableError::Direction { line, found: shown(other) }),
         };
         let problem = if self.places[FIELD].is_some() { problem(self.problems, line, cells[FIELD])? } else { 0 };
         let goals = self.problems[problem].goals.len();
         let goal = self.rows.number(cells[GOAL]).filter(|&goal| goal < goals);
-        let goal = goal.ok_or_else(|| Fault::Goal {
+        let goal = goal.ok_or_else(|| PathTableError::Goal {
             line,
             found: shown(cells[GOAL]),
             field: visible_start(&self.problems[problem].name),
@@ -264,7 +264,7 @@ impl<'a> PathTable<'a> {
     }
 }
 
-fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, Fault> {
+fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, PathTableError> {
     let name = text(cell);
     problems.iter().position(|problem| problem.name == name).ok_or_else(|| {
         let expected = match problems {
@@ -274,20 +274,20 @@ fn problem(problems: &[Problem], line: u64, cell: &[u8]) -> Result<usize, Fault>
             }
             [] => "a field".into(),
         };
-        Fault::Field { line, found: shown(cell), expected }
+        PathTableError::Field { line, found: shown(cell), expected }
     })
 }
 
 /// Returns the place of a planner's name in the list, to which a new one is added.
-fn planner(planners: &mut Vec<String>, line: u64, name: &str) -> Result<usize, Fault> {
+fn planner(planners: &mut Vec<String>, line: u64, name: &str) -> Result<usize, PathTableError> {
     if let Some(existing) = planners.iter().rposition(|planner| planner == name) {
         return Ok(existing);
     }
     if name.is_empty() || name.chars().count() > LONGEST_NAME {
-        return Err(Fault::Planner { line, found: visible_start(name) });
+        return Err(PathTableError::Planner { line, found: visible_start(name) });
     }
     if planners.len() == MAX_PLANNERS {
-        return Err(Fault::TooManyPlanners { line });
+        return Err(PathTableError::TooManyPlanners { line });
     }
     planners.push(name.to_owned());
     Ok(planners.len() - 1)
@@ -305,21 +305,21 @@ fn shown(cell: &[u8]) -> String {
 }
 
 /// Refuses two poses that nothing can be said to have happened between.
-fn check_step(from: &TablePose, to: &TablePose) -> Result<(), Fault> {
+fn check_step(from: &TablePose, to: &TablePose) -> Result<(), PathTableError> {
     let (line, before) = (to.line, from.line);
     let step = to.pose.position() - from.pose.position();
     let metres = step.length();
     if metres > MAX_APART_M + ROUNDING_M {
-        return Err(Fault::Apart { line, before, metres });
+        return Err(PathTableError::Apart { line, before, metres });
     }
     let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
     let ahead_m = step.dot(Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction());
     match to.is_reverse {
         false if ahead_m < -MAX_BACKWARDS_M => {
-            Err(Fault::WrongSide { line, before, metres: -ahead_m, found: "behind", direction: "forward" })
+            Err(PathTableError::WrongSide { line, before, metres: -ahead_m, found: "behind", direction: "forward" })
         }
         true if ahead_m > MAX_BACKWARDS_M => {
-            Err(Fault::WrongSide { line, before, metres: ahead_m, found: "ahead of", direction: "reverse" })
+            Err(PathTableError::WrongSide { line, before, metres: ahead_m, found: "ahead of", direction: "reverse" })
         }
         _ => Ok(()),
     }

@@ -4,7 +4,7 @@ use wildfire_audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path};
-use wildfire_batch::missed;
+use wildfire_batch::drives::missed;
 use wildfire_grid::Grid;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::judge::{DriveFigures, Judge};

@@ -6,10 +6,11 @@ use crate::cli::plan::SHOWN_ROWS;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::untrusted::visible_start;
-use wildfire_batch::{
-    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PROGRAM_VERSION, PlannerSummary, contrast_table,
-    failure_sentences, rows_table, summary_table, violation_sentences,
+use wildfire_batch::drives::{
+    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PlannerSummary, contrast_table, failure_sentences,
+    rows_table, summary_table, violation_sentences,
 };
+use wildfire_batch::plan::PROGRAM_VERSION;
 
 /// All paths, and what was found.
 pub struct JudgeReport {

@@ -15,14 +15,14 @@ use wildfire_grid::{Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
 const CORNERS: CornerCutting = CornerCutting::Allowed;
 
 /// A map with a start and a goal.
-struct Board {
+struct LessonMap {
     name: &'static str,
     occupied: Grid<bool>,
     start: Place,
     goal: Place,
 }
 
-impl Board {
+impl LessonMap {
     fn new(name: &'static str, text: &str, start: Place, goal: Place) -> Self {
         let rows: Vec<&str> = text.lines().collect();
         let cells = rows.iter().flat_map(|row| row.bytes().map(|cell| cell == b'1')).collect();
@@ -98,7 +98,7 @@ impl Board {
 
 /// Brushfire and wavefront: the value of every cell, which is also the step in which the front comes to it.
 pub fn fronts() -> Value {
-    let of_board = |board: Board| {
+    let of_board = |board: LessonMap| {
         let mut runs = Vec::new();
         for (number, connectivity) in [(4, Connectivity::Four), (8, Connectivity::Eight)] {
             let fire = brushfire(&board.occupied, connectivity).expect("the map has obstacles");
@@ -112,7 +112,7 @@ pub fn fronts() -> Value {
         }
         board.data(runs)
     };
-    let boards = [Board::basic(), Board::trap(), Board::rooms()].map(of_board);
+    let boards = [LessonMap::basic(), LessonMap::trap(), LessonMap::rooms()].map(of_board);
     json!({"boards": boards})
 }
 
@@ -137,7 +137,7 @@ pub fn searches() -> Value {
         ("A*, Euclidean", astar(Euclidean, 1.0)),
         ("greedy, Manhattan", SearchOrder::Greedy { heuristic: Manhattan }),
     ];
-    let of_board = |(board, connectivity, orders): (Board, Connectivity, &[(&str, SearchOrder)])| {
+    let of_board = |(board, connectivity, orders): (LessonMap, Connectivity, &[(&str, SearchOrder)])| {
         let run = |&(name, order): &(&str, SearchOrder)| {
             let ends = (board.start, board.goal);
             let found =
@@ -163,11 +163,11 @@ pub fn searches() -> Value {
         board.data(orders.iter().map(run).collect())
     };
     let boards = [
-        (Board::trap(), Connectivity::Eight, &eight[..]),
-        (Board::rooms(), Connectivity::Eight, &eight),
-        (Board::basic(), Connectivity::Eight, &eight),
-        (Board::maze(), Connectivity::Eight, &eight),
-        (Board::open(), Connectivity::Four, &four),
+        (LessonMap::trap(), Connectivity::Eight, &eight[..]),
+        (LessonMap::rooms(), Connectivity::Eight, &eight),
+        (LessonMap::basic(), Connectivity::Eight, &eight),
+        (LessonMap::maze(), Connectivity::Eight, &eight),
+        (LessonMap::open(), Connectivity::Four, &four),
     ];
     let boards = boards.map(of_board);
     json!({"boards": boards})
@@ -175,7 +175,7 @@ pub fn searches() -> Value {
 
 /// Potentials, and where a descent goes from every cell.
 pub fn potentials() -> Value {
-    let of_board = |board: Board| {
+    let of_board = |board: LessonMap| {
         let rows = board.occupied.rows();
         let cols = board.occupied.cols();
         let fire = brushfire(&board.occupied, Connectivity::Eight).expect("the map has obstacles");
@@ -212,7 +212,7 @@ pub fn potentials() -> Value {
         }));
         board.data(runs)
     };
-    let boards = [Board::trap(), Board::rooms(), Board::basic()].map(of_board);
+    let boards = [LessonMap::trap(), LessonMap::rooms(), LessonMap::basic()].map(of_board);
     json!({"boards": boards})
 }
 
@@ -224,7 +224,7 @@ const COST_SEEDS: u64 = 12;
 
 /// Trees and roadmaps after more and more samples, and how the cost of RRT* falls with them.
 pub fn samples() -> Value {
-    let of_board = |board: Board| {
+    let of_board = |board: LessonMap| {
         let ends = (board.start, board.goal);
         let tree = |kind, seed, samples| {
             let (neighbours, radius) = (None, None);
@@ -255,7 +255,7 @@ pub fn samples() -> Value {
             json!({"samples": COST_STAGES, "seeds": costs, "reference": any_angle.cost.map(|cost| short(cost, 2))});
         data
     };
-    let boards = [Board::trap(), Board::rooms()].map(of_board);
+    let boards = [LessonMap::trap(), LessonMap::rooms()].map(of_board);
     json!({"boards": boards})
 }
 

@@ -13,7 +13,7 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::write_all;
 use wildfire_base::document::escaped_html;
 use wildfire_base::whole_file::write_whole;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 
 const TEMPLATE: &str = include_str!("../../../assets/lessons/lesson.html");
 const STYLES: [&str; 2] =

@@ -24,13 +24,13 @@ pub struct Computed {
     pub title: String,
     /// The name of the values, in a word or two.
     pub value_name: &'static str,
-    pub values: Values,
+    pub values: MapValues,
     /// Which cells have no value.
     pub bare: NoData,
     /// Free cells that the wave never reaches, of a wavefront.
     pub unreached: Option<usize>,
     pub goal: Option<Place>,
-    pub walk: Option<Walk>,
+    pub walk: Option<MapWalk>,
     /// What a search did.
     pub search: Option<SearchTrace>,
     /// The tree or roadmap that a path was found in.
@@ -72,7 +72,7 @@ impl MapInputError {
 
 impl Computed {
     /// Values alone, and the CPU time that they took.
-    pub fn new(title: impl Into<String>, value_name: &'static str, (values, cpu_map): (Values, Duration)) -> Self {
+    pub fn new(title: impl Into<String>, value_name: &'static str, (values, cpu_map): (MapValues, Duration)) -> Self {
         Self {
             title: title.into(),
             value_name,
@@ -129,7 +129,7 @@ pub fn check_problem(
 
 /// A map of values.
 #[derive(Debug)]
-pub enum Values {
+pub enum MapValues {
     Flags(Grid<bool>),
     Distances(Grid<u16>),
     Steps(Grid<u32>),
@@ -144,7 +144,7 @@ pub enum Value {
     Real(f64),
 }
 
-impl Values {
+impl MapValues {
     pub fn write_csv(&self, path: &Path) -> io::Result<()> {
         match self {
             Self::Flags(map) => write_csv(path, map),
@@ -226,7 +226,7 @@ pub enum WalkResult {
 
 /// A path and its ends.
 #[derive(Debug)]
-pub struct Walk {
+pub struct MapWalk {
     pub start: Place,
     pub goal: Place,
     pub path: MapPath,
@@ -295,7 +295,7 @@ impl From<Escape> for MapPath {
     }
 }
 
-impl Walk {
+impl MapWalk {
     pub fn sentence(&self) -> String {
         let at = |(row, col): Place| format!("row {row}, column {col}");
         let (start, goal) = (at(self.start), at(self.goal));

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    Computed, MapInputError, MapPath, NoData, Values, Walk, check_free, check_inside, timed, title_with_neighbours,
+    Computed, MapInputError, MapPath, MapValues, MapWalk, NoData, check_free, check_inside, timed,
+    title_with_neighbours,
 };
 use crate::cli::map::options::{
     CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
@@ -322,7 +323,7 @@ fn parse_scale(text: &str) -> Result<Scale, String> {
 }
 
 pub fn occupancy(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, MapInputError> {
-    Ok(Computed::new("Occupancy", "occupied", timed(|| Values::Flags(occupied.clone()))))
+    Ok(Computed::new("Occupancy", "occupied", timed(|| MapValues::Flags(occupied.clone()))))
 }
 
 pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Result<Computed, MapInputError> {
@@ -334,7 +335,7 @@ pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Resul
     let values = timed(|| {
         let mut values = brushfire_or_zero(occupied, neighbours.into());
         values.values_mut().iter_mut().for_each(|value| *value = value.saturating_sub(less));
-        Values::Distances(values)
+        MapValues::Distances(values)
     });
     Ok(Computed::new(title_with_neighbours("Brushfire", neighbours), value_name, values))
 }
@@ -347,13 +348,13 @@ fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<
 
 pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, MapInputError> {
     let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
-    let values = timed(|| Values::Reals(euclidean_distances(occupied).unwrap_or_else(none)));
+    let values = timed(|| MapValues::Reals(euclidean_distances(occupied).unwrap_or_else(none)));
     Ok(Computed::new("Euclidean distance", "distance in cells", values))
 }
 
 pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, MapInputError> {
     let costs = || cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones());
-    Ok(Computed::new("Cost map", "cost", timed(|| Values::Reals(costs()))))
+    Ok(Computed::new("Cost map", "cost", timed(|| MapValues::Reals(costs()))))
 }
 
 pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, MapInputError> {
@@ -373,14 +374,14 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
             } else {
                 descend_wavefront(&steps, start, connectivity, corners, arguments.tie_order.into())
             };
-            Walk { start, goal, path: route.into() }
+            MapWalk { start, goal, path: route.into() }
         })
     });
     let (walk, cpu_path) = walk.unzip();
     let unreached = Some(steps.values().iter().filter(|&&value| value == UNREACHED).count());
     let (value_name, values) = match arguments.scale {
-        Some(scale) => ("scaled value", Values::Reals(scaled(&steps, scale))),
-        None => ("steps + 2", Values::Steps(steps)),
+        Some(scale) => ("scaled value", MapValues::Reals(scaled(&steps, scale))),
+        None => ("steps + 2", MapValues::Steps(steps)),
     };
     let bare = NoData::Zero("unreached");
     let title = title_with_neighbours("Wavefront", neighbours);
@@ -398,7 +399,7 @@ fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
 pub fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, MapInputError> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
-    let values = timed(|| Values::Reals(attraction_field(occupied, goal, &arguments.attraction)));
+    let values = timed(|| MapValues::Reals(attraction_field(occupied, goal, &arguments.attraction)));
     Ok(Computed { goal: Some(goal), ..Computed::new("Attraction", "potential", values) })
 }
 
@@ -410,14 +411,14 @@ pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Resul
     let neighbours = arguments.neighbours.connectivity;
     let field = || potential::repulsion(&brushfire_or_zero(occupied, neighbours.into()), &arguments.repulsion.law());
     let title = title_with_neighbours("Repulsion", neighbours);
-    Ok(Computed::new(title, "potential", timed(|| Values::Reals(field()))))
+    Ok(Computed::new(title, "potential", timed(|| MapValues::Reals(field()))))
 }
 
 pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, MapInputError> {
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
-    let values = timed(|| Values::Reals(total_field(occupied, arguments)));
+    let values = timed(|| MapValues::Reals(total_field(occupied, arguments)));
     Ok(Computed { goal: Some(goal), ..Computed::new(title, "potential", values) })
 }
 
@@ -443,10 +444,10 @@ pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Co
                 descend_or_escape(&field, occupied, start, goal, connectivity, corners).map(MapPath::from)
             }
         };
-        Walk { start, goal, path: path.expect("both ends are on the map") }
+        MapWalk { start, goal, path: path.expect("both ends are on the map") }
     });
     let title = title_with_neighbours("Gradient descent", neighbours);
-    let computed = Computed::new(title, "potential", (Values::Reals(field), cpu_map));
+    let computed = Computed::new(title, "potential", (MapValues::Reals(field), cpu_map));
     Ok(Computed { goal: Some(goal), walk: Some(walk), cpu_path: Some(cpu_path), ..computed })
 }
 

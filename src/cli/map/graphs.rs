@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    Computed, MapInputError, MapPath, NoData, Values, Walk, WalkResult, check_problem, timed,
+    Computed, MapInputError, MapPath, MapValues, MapWalk, NoData, WalkResult, check_problem, timed,
 };
 use crate::cli::map::options::{PathArguments, parse_number};
 use crate::cli::map::traces::GraphTrace;
@@ -239,9 +239,9 @@ fn answer<E: std::fmt::Debug>(
     Ok(Computed {
         bare: NoData::Infinite("no point"),
         goal: Some(goal),
-        walk: Some(Walk { start, goal, path }),
+        walk: Some(MapWalk { start, goal, path }),
         graph: Some(trace),
-        ..Computed::new("", "cost from start", (Values::Reals(min), cpu_map))
+        ..Computed::new("", "cost from start", (MapValues::Reals(min), cpu_map))
     })
 }
 

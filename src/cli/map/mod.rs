@@ -22,7 +22,7 @@ pub use options::{NO_IMAGE, parse_tolerance};
 
 use commands::Computation;
 use computed::MapInputError;
-use page::PageArguments;
+use page::MapPageArguments;
 use report::{MapReport, with_scene, write_film};
 use timing::TimingArguments;
 
@@ -39,7 +39,7 @@ pub enum MapCommand {
     /// Measure the CPU time of brushfire and wavefront on maps.
     Timing(TimingArguments),
     /// Write a page with all maps and searches of one problem.
-    Report(PageArguments),
+    Report(MapPageArguments),
 }
 
 pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {

@@ -22,7 +22,7 @@ use wildfire_base::document::number::{count, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_base::whole_file::{WholeFile, write_whole};
-use wildfire_batch::{PROGRAM_VERSION, shell_word};
+use wildfire_batch::plan::{PROGRAM_VERSION, shell_word};
 use wildfire_grid::map_files::MapFile;
 use wildfire_picture::draw_small_map;
 
@@ -35,7 +35,7 @@ Each CPU time is that of a single run.
 Example:
   wildfire map report assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --out lab")]
-pub struct PageArguments {
+pub struct MapPageArguments {
     /// A map of any kind.
     #[arg(value_name = "MAP")]
     pub map: PathBuf,
@@ -73,14 +73,14 @@ struct OneCommand {
 }
 
 /// One computation of the page.
-struct Part {
+struct PagePart {
     /// The words that compute it again, `wildfire map` left out.
     args: Vec<OsString>,
     computation: Computation,
     computed: Computed,
 }
 
-pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
+pub fn run(arguments: &MapPageArguments, quiet: bool) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
     let (map, cpu_read) = arguments.reading.read(&arguments.map)?;
     let mut parts = Vec::new();
@@ -90,7 +90,7 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<(), CliError> {
         };
         computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
         let computed = computation.compute(&map.occupied).map_err(|problem| refused(&arguments.map, &problem))?;
-        parts.push(Part { args, computation, computed });
+        parts.push(PagePart { args, computation, computed });
     }
     if !quiet {
         let path = arguments.map.display();
@@ -126,7 +126,7 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
 }
 
 /// The words of every computation, maps first.
-fn commands(arguments: &PageArguments) -> Vec<Vec<OsString>> {
+fn commands(arguments: &MapPageArguments) -> Vec<Vec<OsString>> {
     let place = |(row, col): (usize, usize)| format!("{row},{col}");
     let (start, goal) = arguments.ends.places();
     let goal = format!("--goal {}", place(goal));
@@ -174,12 +174,12 @@ fn of_map(map: &MapFile) -> Vec<String> {
     [map.notes.clone(), map.doubts()].concat()
 }
 
-fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Duration) -> Document {
+fn page(arguments: &MapPageArguments, map: &MapFile, parts: &[PagePart], cpu_read: Duration) -> Document {
     let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
     let (start, goal) = arguments.ends.places();
     // Notes on the map is said once.
     let of_map = of_map(map);
-    let report = |part: &'_ Part| {
+    let report = |part: &'_ PagePart| {
         let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
         let picture = with_scene(&report, draw_small_map).to_png();
         let mut lines = report.sentences();
@@ -218,7 +218,7 @@ fn page(arguments: &PageArguments, map: &MapFile, parts: &[Part], cpu_read: Dura
     document
 }
 
-impl Part {
+impl PagePart {
     /// The line that computes it again.
     fn command_line(&self) -> String {
         let (map, options) = self.args.split_last().expect("the map comes last");
@@ -260,8 +260,8 @@ fn or_dash<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
-fn search_table(parts: &[Part]) -> Table {
-    let row = |part: &Part| {
+fn search_table(parts: &[PagePart]) -> Table {
+    let row = |part: &PagePart| {
         vec![
             part.computed.title.clone(),
             or_dash(part.cost().map(|cost| rounded(cost, 3))),
@@ -275,8 +275,8 @@ fn search_table(parts: &[Part]) -> Table {
     Table::new(&headings, parts.iter().filter(|part| part.is_search()).map(row).collect())
 }
 
-fn map_table(parts: &[Part]) -> Table {
-    let row = |part: &Part| {
+fn map_table(parts: &[PagePart]) -> Table {
+    let row = |part: &PagePart| {
         let maximum = part.computed.values.max().map(Value::to_short_text);
         let length = part.computed.walk.as_ref().and_then(|walk| match walk.path.answer {
             WalkResult::Reached => Some(rounded(walk.path.length, 3)),
@@ -289,7 +289,7 @@ fn map_table(parts: &[Part]) -> Table {
 }
 
 /// The searches as a table for other programs; what there is none of is empty.
-fn write_searches(path: &Path, parts: &[Part]) -> io::Result<()> {
+fn write_searches(path: &Path, parts: &[PagePart]) -> io::Result<()> {
     let mut file = WholeFile::create(path)?;
     file.write_all(b"search,cost,expansions,touched,points,cpu_s\n")?;
     for part in parts.iter().filter(|part| part.is_search()) {

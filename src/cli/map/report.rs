@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 
 use crate::cli::map::commands::Computation;
-use crate::cli::map::computed::{Computed, NoData, Value, Walk};
+use crate::cli::map::computed::{Computed, MapWalk, NoData, Value};
 use crate::cli::map::fields::CostArguments;
 use crate::cli::map::options::NO_IMAGE;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
@@ -16,7 +16,7 @@ use wildfire_base::document::number::{count, percent, rounded};
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::untrusted::visible;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::map_files::{MapFile, NEAR_TOLERANCE};
 use wildfire_grid::{Connectivity, Grid, Place};
@@ -57,7 +57,7 @@ impl<'a> MapReport<'a> {
     /// Lists notes on the map, and the result of the walk.
     pub fn sentences(&self) -> Vec<String> {
         let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", visible(&self.path.to_string_lossy())));
-        let walk = self.computed.walk.as_ref().map(Walk::sentence);
+        let walk = self.computed.walk.as_ref().map(MapWalk::sentence);
         let search = self.computed.search.as_ref().map(SearchTrace::sentence);
         let graph = self.computed.graph.as_ref().map(GraphTrace::sentence);
         notes.chain(self.oddities()).chain(walk).chain(search).chain(graph).collect()

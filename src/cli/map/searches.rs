@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
-    Computed, MapInputError, NoData, Values, Walk, check_problem, check_size, timed, title_with_neighbours,
+    Computed, MapInputError, MapValues, MapWalk, NoData, check_problem, check_size, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
     CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_number, parse_place,
@@ -230,7 +230,7 @@ pub fn any_angle(
     let ends = ends.places();
     let corners = parameters.corners.rule();
     let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
-    if let Some(Walk { path, .. }) = &mut found.walk {
+    if let Some(MapWalk { path, .. }) = &mut found.walk {
         path.is_any_angle = true;
         path.length = line_length(&path.cells);
     }
@@ -264,9 +264,9 @@ fn answer<E: std::fmt::Debug>(
     Ok(Computed {
         bare: NoData::Infinite("not reached"),
         goal: Some(goal),
-        walk: Some(Walk { start, goal, path: route.into() }),
+        walk: Some(MapWalk { start, goal, path: route.into() }),
         search: Some(SearchTrace { cost, shortest: None, expanded, touched, swept }),
-        ..Computed::new("", "cost from start", (Values::Reals(costs), cpu_map))
+        ..Computed::new("", "cost from start", (MapValues::Reals(costs), cpu_map))
     })
 }
 
@@ -282,7 +282,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     let walk = ends.map(|(start, goal)| {
         timed(|| {
             let route = path_along(occupied, &found.diagram, (start, goal), corners);
-            Walk { start, goal, path: route.expect("both ends are on the map").into() }
+            MapWalk { start, goal, path: route.expect("both ends are on the map").into() }
         })
     });
     let (walk, cpu_path) = walk.unzip();
@@ -293,6 +293,6 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     let title = with_corners(format!("Voronoi diagram, {}", count(found.sites, "site")), corners);
     let bare = NoData::Zero("off the diagram");
     let goal = ends.map(|(_, goal)| goal);
-    let computed = Computed::new(title, "clearance in cells", (Values::Reals(values), cpu_map));
+    let computed = Computed::new(title, "clearance in cells", (MapValues::Reals(values), cpu_map));
     Ok(Computed { bare, goal, walk, cpu_path, ..computed })
 }

@@ -13,7 +13,7 @@ use crate::cli::terminal;
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::cpu::CpuStopwatch;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_grid::brushfire::brushfire_into;
 use wildfire_grid::wavefront::wavefront_into;
 use wildfire_grid::{Connectivity, CornerCutting, Grid, Place};

@@ -10,7 +10,7 @@ use crate::cli::error::CliError;
 use crate::cli::output_files::{Format, Output, write_all};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{BatchMaps, BatchQuantity};
+use wildfire_batch::maps::{BatchMaps, BatchQuantity};
 use wildfire_grid::Grid;
 use wildfire_grid::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff, write_geotiff_bands};
 use wildfire_grid::map_files::write_npy;
@@ -23,7 +23,7 @@ const NODATA: f32 = -9999.0;
 
 /// The files that are asked for.
 #[derive(Debug, Args)]
-pub struct FileArguments {
+pub struct MapOfFiles {
     /// Write an ESRI ASCII grid.
     #[arg(help_heading = "Output", long, value_name = "FILE.asc")]
     asc: Option<PathBuf>,
@@ -57,19 +57,19 @@ pub struct Panel {
     /// By cell index, of a batch: something there can burn, in some run.
     pub burnable: Option<Rc<Vec<bool>>>,
     pub setting: Setting,
-    pub place: MapPlace,
+    pub place: EarthPlace,
 }
 
 /// The place of the field on earth, as the files of its landscape have it: its south-west corner in metres, and in which
 /// coordinate system these are.
 #[derive(Clone, Debug, Default)]
-pub struct MapPlace {
+pub struct EarthPlace {
     pub west_m: f64,
     pub south_m: f64,
     pub crs: Option<GeoKeys>,
 }
 
-impl MapPlace {
+impl EarthPlace {
     /// The origin of coordinates, without a name of their system, where no file says more.
     pub fn new(scenario: Option<&Scenario>) -> Self {
         scenario.and_then(Scenario::layers).map_or_else(Self::default, Self::from_layers)
@@ -110,7 +110,7 @@ pub struct MapFiles<'a> {
 
 impl Panel {
     /// The maps of a batch, or of two and their difference, from left to right.
-    pub fn over_batch(quantity: BatchQuantity, maps: BatchMaps, place: &MapPlace) -> Vec<Self> {
+    pub fn over_batch(quantity: BatchQuantity, maps: BatchMaps, place: &EarthPlace) -> Vec<Self> {
         let (panel_quantity, of_difference, without_value) = match quantity {
             BatchQuantity::BurnProbability => {
                 (MapQuantity::Probability, MapQuantity::ProbabilityDifference, "never burned")
@@ -192,7 +192,7 @@ fn last_name(title: &str) -> String {
 
 impl<'a> MapFiles<'a> {
     /// `has_difference` says whether the last map is the difference of two, with its interval.
-    pub fn new(arguments: &'a FileArguments, has_difference: bool) -> Self {
+    pub fn new(arguments: &'a MapOfFiles, has_difference: bool) -> Self {
         Self {
             asc: arguments.asc.as_deref(),
             tif: arguments.tif.as_deref(),
@@ -268,7 +268,7 @@ fn with_end(path: &Path, end: &str) -> PathBuf {
 }
 
 /// Returns values by cell index, NaN where there is none, as a raster.
-pub fn raster(place: &MapPlace, frame: FieldFrame, values: &[f64]) -> Raster {
+pub fn raster(place: &EarthPlace, frame: FieldFrame, values: &[f64]) -> Raster {
     #[expect(clippy::cast_possible_truncation, reason = "rasters hold single precision")]
     let value = |&value: &f64| if value.is_nan() { NODATA } else { value as f32 };
     Raster {

@@ -18,12 +18,13 @@ use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
 use crate::cli::terminal::{self, Progress};
 use wildfire_base::object::Members;
-use wildfire_batch::{BatchQuantity, MapSource, MapsError, MapsOptions, Record, map_batches};
+use wildfire_batch::maps::{BatchQuantity, MapSource, MapsError, MapsOptions, map_batches};
+use wildfire_batch::plan::Record;
 use wildfire_fire::surface::crown::FireType;
 use wildfire_timeline::BurnMap;
 
-use files::{FileArguments, MapFiles, Panel};
-pub use files::{MapPlace, array, raster};
+pub use files::{EarthPlace, array, raster};
+use files::{MapFiles, MapOfFiles, Panel};
 use report::{BatchMapReport, RunMapReport, RunQuantity};
 
 const NOTES: &str = "\
@@ -78,7 +79,7 @@ pub struct MapOfArguments {
     #[command(flatten)]
     pub programs: ProgramArguments,
     #[command(flatten)]
-    pub files: FileArguments,
+    pub files: MapOfFiles,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -203,7 +204,7 @@ fn of_run(
 }
 
 /// The run that is asked for, and where its field lies.
-fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(ShownRun, MapPlace), CliError> {
+fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(ShownRun, EarthPlace), CliError> {
     let folder = Path::new(&arguments.source);
     if folder.is_dir() && arguments.overrides.is_empty() {
         let source = open_batch(folder, &arguments.only, context)?;
@@ -211,7 +212,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         let found = source.timeline(&run, &context.registry)?;
         let (timeline, _) = found.ok_or_else(|| CliError::run_failed(format_args!("{} failed", source.title())))?;
         let run = ShownRun { title: source.title(), timeline, cpu_samples: None, verdicts: Vec::new() };
-        return Ok((run, MapPlace::new(Some(source.scenario()))));
+        return Ok((run, EarthPlace::new(Some(source.scenario()))));
     }
     if !arguments.only.is_empty() {
         return Err(CliError::bad_input("--where chooses among the runs of a batch; expected the folder of one", None));
@@ -223,7 +224,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
             "a recording does not say where its field lies, so rasters begin at (0, 0); its scenario or batch does",
         );
     }
-    Ok((run, MapPlace::new(source.scenario())))
+    Ok((run, EarthPlace::new(source.scenario())))
 }
 
 /// Maps a batch, or the difference of two.
@@ -253,7 +254,7 @@ fn over_batch(
     progress.end();
     let maps = maps?;
     let report = BatchMapReport::new(quantity, &maps);
-    Ok((report, Panel::over_batch(quantity, maps, &MapPlace::new(Some(batch.scenario())))))
+    Ok((report, Panel::over_batch(quantity, maps, &EarthPlace::new(Some(batch.scenario())))))
 }
 
 fn open_batch(folder: &Path, only: &[(String, String)], context: &CommandContext) -> Result<MapSource, CliError> {

@@ -5,8 +5,8 @@ use serde::Serialize;
 use wildfire_base::document::number::{count, optional, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object::Members;
+use wildfire_batch::maps::{BatchMaps, BatchQuantity, BatchSide, Losses, RunMean};
 use wildfire_batch::stats::Interval;
-use wildfire_batch::{BatchMaps, BatchQuantity, BatchSide, Losses, RunMean};
 use wildfire_picture::MapQuantity;
 use wildfire_timeline::{BurnMap, Setting};
 

@@ -10,7 +10,7 @@ use crate::cli::batch::{SeedsArgument, parse_seeds};
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
 use crate::cli::together::TogetherArguments;
-use wildfire_batch::DriveProblems;
+use wildfire_batch::drives::DriveProblems;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
 use wildfire_sim::scenario::MAX_GOALS;
 

@@ -25,9 +25,10 @@ use crate::cli::output_files::{self, Files, Format};
 use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{
-    AttemptSettings, DriveTable, PlannerSummary, ask_all, expect_planners_exist, file_name_of, requested_planners,
+use wildfire_batch::drives::{
+    AttemptSettings, DriveTable, PlannerSummary, ask_all, expect_planners_exist, requested_planners,
 };
+use wildfire_batch::execute::file_name_of;
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{LoadedScenario, Problem};
 

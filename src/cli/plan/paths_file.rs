@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::cli::curve;
 use wildfire_base::untrusted::spreadsheet_cell;
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::Attempt;
+use wildfire_batch::drives::Attempt;
 use wildfire_planning::PlannerName;
 
 /// A little less than 5 cm, so that rounding of `s_m` never makes a step longer than that.

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use wildfire_base::document::number::count;
-use wildfire_batch::Attempt;
+use wildfire_batch::drives::Attempt;
 use wildfire_planning::{PlanFailure, PlannerName};
 
 /// How the second answers of a planner compare with the first.

@@ -10,10 +10,11 @@ use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::vehicle::Path;
-use wildfire_batch::{
-    Attempt, DRIVE_LEGEND, DriveTable, PROGRAM_VERSION, PlannerSummary, failure_sentences, rows_table, shortened_field,
-    summary_table, violation_sentences,
+use wildfire_batch::drives::{
+    Attempt, DRIVE_LEGEND, DriveTable, PlannerSummary, failure_sentences, rows_table, shortened_field, summary_table,
+    violation_sentences,
 };
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};
 use wildfire_planning::{Goal, PlannerName, TruckPlannerKind};
 use wildfire_sim::scenario::{LoadedScenario, Problem};

@@ -20,7 +20,8 @@ use crate::cli::report::FormArguments;
 use crate::cli::terminal::Progress;
 use wildfire_audit::SampleStep;
 use wildfire_batch::comparison::{Better, EntryAudit, RankedEntry, Ranking, RankingError, RankingRequest, rank};
-use wildfire_batch::{AuditOptions, AuditSource, FinishedBatch, FinishedError, audit_all};
+use wildfire_batch::report::{AuditOptions, AuditSource, audit_all};
+use wildfire_batch::table::{FinishedBatch, FinishedError};
 
 const NOTES: &str = "\
 Examples:

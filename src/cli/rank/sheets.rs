@@ -9,8 +9,8 @@ use wildfire_base::document::number::{count, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::write_whole;
-use wildfire_batch::BatchPlan;
 use wildfire_batch::comparison::{RankedEntry, Ranking, decimals, ranks};
+use wildfire_batch::plan::BatchPlan;
 
 /// Writes the sheets as `NAME.md`.
 pub fn write(folder: &Path, ranking: &Ranking) -> Result<(), CliError> {

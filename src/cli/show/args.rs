@@ -46,7 +46,7 @@ pub struct ShowArguments {
     layers: Vec<LayerChange>,
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x1000")]
-    pub size: Size,
+    pub size: PixelSize,
     /// Centre on an agent, such as `unimog/0`; `fleet` keeps all active trucks in view.
     #[arg(long, value_name = "AGENT|fleet", value_parser = parse_followed, conflicts_with = "centre")]
     pub follow: Option<CameraTarget>,
@@ -137,18 +137,18 @@ fn share_of_field(point: DVec2, setting: &Setting) -> Result<DVec2, CliError> {
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
+pub struct PixelSize {
     pub width: u32,
     pub height: u32,
 }
 
-impl From<Size> for (u32, u32) {
-    fn from(size: Size) -> Self {
+impl From<PixelSize> for (u32, u32) {
+    fn from(size: PixelSize) -> Self {
         (size.width, size.height)
     }
 }
 
-impl FromStr for Size {
+impl FromStr for PixelSize {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -261,11 +261,11 @@ mod tests {
 
     #[test]
     fn sizes_keep_to_the_limits_of_a_frame() {
-        assert_eq!("640x480".parse(), Ok(Size { width: 640, height: 480 }));
-        assert_eq!("8192X8192".parse(), Ok(Size { width: 8192, height: 8192 }));
+        assert_eq!("640x480".parse(), Ok(PixelSize { width: 640, height: 480 }));
+        assert_eq!("8192X8192".parse(), Ok(PixelSize { width: 8192, height: 8192 }));
         for text in ["", "640", "640x", "x480", "-640x480", "0x0", "319x240", "320x239", "8193x8192", "99999999999x300"]
         {
-            assert!(text.parse::<Size>().expect_err(text).contains("8192x8192"), "{text}");
+            assert!(text.parse::<PixelSize>().expect_err(text).contains("8192x8192"), "{text}");
         }
     }
 

@@ -147,13 +147,13 @@ mod tests {
     use wildfire_sim::scenario::BUILT_IN;
 
     #[derive(Parser)]
-    struct Command {
+    struct ShowCommand {
         #[command(flatten)]
         show: ShowArguments,
     }
 
     fn titles(args: &str) -> Vec<String> {
-        let command = Command::parse_from(["show"].into_iter().chain(args.split(' ')));
+        let command = ShowCommand::parse_from(["show"].into_iter().chain(args.split(' ')));
         let shown = shown_runs(&command.show, Searches::LeftOut, &CommandContext::new(true, CustomRegistry::default()))
             .expect("both runs take place");
         shown.into_iter().map(|shown| shown.run.title).collect()

@@ -17,11 +17,11 @@ const MAX_BYTES: u64 = 256 << 20;
 struct Why {
     scenario: String,
     seed: u64,
-    decisions: Vec<Decision>,
+    decisions: Vec<JudgedDecision>,
 }
 
 #[derive(Deserialize)]
-struct Decision {
+struct JudgedDecision {
     t_s: f64,
     is_mistake: bool,
     is_good: bool,
@@ -50,7 +50,7 @@ pub fn read(path: &Path, timeline: &Timeline) -> Result<Vec<(SimTime, Verdict)>,
         return Err(CliError::bad_input(sentence, None));
     }
     let mut verdicts: Vec<(SimTime, Verdict)> = Vec::new();
-    for Decision { t_s, is_mistake, is_good } in why.decisions {
+    for JudgedDecision { t_s, is_mistake, is_good } in why.decisions {
         if !(0.0..=1e9).contains(&t_s) {
             let sentence = format!("{}: a decision at {t_s} s; expected times of the run", path.display());
             return Err(CliError::bad_input(sentence, None));

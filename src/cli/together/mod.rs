@@ -13,7 +13,7 @@ use std::time::Duration;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use report::{Checked, Outcome, Row, TogetherReport, VerdictReport};
+use report::{Checked, Row, SolveOutcome, TogetherReport, VerdictReport};
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
@@ -24,7 +24,7 @@ use wildfire_base::input_file;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::whole_file::write_whole;
 use wildfire_planning::together::files::{FileFault, MAX_BYTES, read_instance, read_solution, write_solution};
-use wildfire_planning::together::{Instance, Method, Mode, PlanTogether, plan};
+use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairMethod, plan};
 
 /// Rounds of repair after which an instance counts as unsolved; the limit on CPU time is usually reached before.
 const ROUNDS: u32 = 5000;
@@ -50,7 +50,7 @@ pub struct TogetherArguments {
     /// What to do about conflicts that planning one vehicle after the other leaves: start again in another order, or plan
     /// those around a conflict again [default: repair].
     #[arg(help_heading = "Many vehicles", long, requires = "together", value_parser = method_parser())]
-    pub method: Option<Method>,
+    pub method: Option<RepairMethod>,
     /// Number of attempts for each vehicle to make paths shorter once they are free [default: 0].
     #[arg(help_heading = "Many vehicles", long, requires = "together", value_name = "N", value_parser = polish)]
     pub polish: Option<u32>,
@@ -69,9 +69,9 @@ pub fn mode_parser() -> impl TypedValueParser<Value = Mode> {
         .map(|name| Mode::ALL.into_iter().find(|mode| mode.name() == name).expect("one of the names"))
 }
 
-fn method_parser() -> impl TypedValueParser<Value = Method> {
-    PossibleValuesParser::new(Method::ALL.map(Method::name))
-        .map(|name| Method::ALL.into_iter().find(|method| method.name() == name).expect("one of the names"))
+fn method_parser() -> impl TypedValueParser<Value = RepairMethod> {
+    PossibleValuesParser::new(RepairMethod::ALL.map(RepairMethod::name))
+        .map(|name| RepairMethod::ALL.into_iter().find(|method| method.name() == name).expect("one of the names"))
 }
 
 fn polish(text: &str) -> Result<u32, String> {
@@ -93,7 +93,7 @@ pub fn run(
     let stream = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
     let settings = PlanTogether {
         mode: arguments.mode.unwrap_or(Mode::Exact),
-        method: arguments.method.unwrap_or(Method::Repair),
+        method: arguments.method.unwrap_or(RepairMethod::Repair),
         seed,
         rounds: ROUNDS,
         polish: arguments.polish.unwrap_or(0),
@@ -116,7 +116,7 @@ pub fn run(
         is_stopped();
         let cpu_s = spent.as_secs_f64();
         let outcome = match found {
-            Err(reason) => Outcome::Unsolved(reason),
+            Err(reason) => SolveOutcome::Unsolved(reason),
             Ok(routes) => {
                 // What is checked is what is written: numbers as text.
                 let text = write_solution(instance, &routes, cpu_s);
@@ -124,7 +124,7 @@ pub fn run(
                     write_into(&folder.join(place), &text)?;
                 }
                 let schedules = read_solution(&text).expect("what is written can be read");
-                Outcome::Solved(Checked::new(instance, settings.mode, &schedules))
+                SolveOutcome::Solved(Checked::new(instance, settings.mode, &schedules))
             }
         };
         rows.push(Row::new(path, instance, &settings, outcome, effort, cpu_s));

@@ -10,10 +10,10 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 use wildfire_base::untrusted::{spreadsheet_cell, visible_start};
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::judge::lower_bound_ratio;
-use wildfire_planning::together::judge::{self, Fault, Schedule};
-use wildfire_planning::together::{Effort, Instance, Method, Mode, PlanTogether, Route, Unsolved};
+use wildfire_planning::together::judge::{self, RuleBreach, Schedule};
+use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairEffort, RepairMethod, Route, Unsolved};
 
 /// Most sentences about faults of one solution.
 const SHOWN_FAULTS: usize = 20;
@@ -30,13 +30,13 @@ const LEGEND: [&str; 4] = [
 /// A solution as the independent check sees it.
 #[derive(Debug)]
 pub struct Checked {
-    faults: Vec<Fault>,
-    figures: Option<Figures>,
+    faults: Vec<RuleBreach>,
+    figures: Option<SolutionFigures>,
 }
 
 /// The figures of a solution whose steps can all be driven.
 #[derive(Clone, Copy, Debug, Serialize)]
-struct Figures {
+struct SolutionFigures {
     flowtime_m: f64,
     flowtime_over_bound: f64,
     makespan_m: f64,
@@ -48,11 +48,11 @@ struct Figures {
 impl Checked {
     pub fn new(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Self {
         let (faults, routes) = judge::check(instance, mode, schedules);
-        Self { faults, figures: routes.map(|routes| Figures::new(instance, &routes)) }
+        Self { faults, figures: routes.map(|routes| SolutionFigures::new(instance, &routes)) }
     }
 }
 
-impl Figures {
+impl SolutionFigures {
     fn new(instance: &Instance, routes: &[Route]) -> Self {
         let (sum_m, max_m) = instance.bounds_m();
         let flowtimes = || routes.iter().map(Route::flowtime_m);
@@ -73,7 +73,7 @@ impl Figures {
 
 /// What became of an instance.
 #[derive(Debug)]
-pub enum Outcome {
+pub enum SolveOutcome {
     Solved(Checked),
     Unsolved(Unsolved),
 }
@@ -87,7 +87,7 @@ pub struct Row {
     obstacles: usize,
     vehicles: usize,
     mode: Mode,
-    method: Method,
+    method: RepairMethod,
     seed: u64,
     /// `solved`, `blocked` or `unsolved`.
     status: &'static str,
@@ -109,16 +109,18 @@ impl Row {
         path: &Path,
         instance: &Instance,
         settings: &PlanTogether,
-        outcome: Outcome,
-        effort: Effort,
+        outcome: SolveOutcome,
+        effort: RepairEffort,
         cpu_s: f64,
     ) -> Self {
         let (status, message, checked) = match outcome {
-            Outcome::Solved(checked) => ("solved", checked.faults.first().map(Fault::to_string), Some(checked)),
-            Outcome::Unsolved(reason @ (Unsolved::Blocked { .. } | Unsolved::Crowded { .. })) => {
+            SolveOutcome::Solved(checked) => {
+                ("solved", checked.faults.first().map(RuleBreach::to_string), Some(checked))
+            }
+            SolveOutcome::Unsolved(reason @ (Unsolved::Blocked { .. } | Unsolved::Crowded { .. })) => {
                 ("blocked", Some(reason.to_string()), None)
             }
-            Outcome::Unsolved(reason) => ("unsolved", Some(reason.to_string()), None),
+            SolveOutcome::Unsolved(reason) => ("unsolved", Some(reason.to_string()), None),
         };
         let figures = checked.as_ref().and_then(|checked| checked.figures);
         Self {
@@ -320,7 +322,7 @@ impl Serialize for VerdictReport {
             program_version: PROGRAM_VERSION,
             mode: self.mode,
             figures: &self.checked.figures,
-            violations: self.checked.faults.iter().map(Fault::to_string).collect::<Vec<_>>(),
+            violations: self.checked.faults.iter().map(RuleBreach::to_string).collect::<Vec<_>>(),
         });
         report.serialize(serializer)
     }

@@ -7,11 +7,12 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock};
 
 use wildfire::batch::comparison::{Selection, compare};
-use wildfire::batch::{
-    Append, Batch, BatchPlan, BatchRequest, Disk, FinishedBatch, JournalIndex, OutputFolder, PLAN_FILE, PLAN_TEMPLATE,
-    PaperCharts, PlanError, RUNS_FILE, ReportParts, STATES_PARQUET, SelectedQuantities, Slice, Sweep, Whole,
-    batch_status, merge, run_column, write_report,
+use wildfire::batch::execute::{
+    Append, Batch, Disk, JournalIndex, OutputFolder, RUNS_FILE, STATES_PARQUET, Whole, batch_status,
 };
+use wildfire::batch::plan::{BatchPlan, BatchRequest, PLAN_FILE, PLAN_TEMPLATE, PlanError, Slice, Sweep};
+use wildfire::batch::report::{PaperCharts, ReportParts, SelectedQuantities, merge, write_report};
+use wildfire::batch::table::{FinishedBatch, run_column};
 use wildfire::picture::charts::PaperSize;
 use wildfire::scenario::ScenarioText;
 use wildfire::sim::CustomRegistry;

@@ -13,7 +13,7 @@ use std::str::FromStr;
 use std::sync::LazyLock;
 use std::{env, fs};
 
-use wildfire::batch::{MAX_RUNS, Record, Seeds, Slice};
+use wildfire::batch::plan::{MAX_RUNS, Record, Seeds, Slice};
 use wildfire::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, TruckPlannerKind, explain};
 use wildfire::untrusted::{spreadsheet_cell, text_of_cell, visible};
 

@@ -42,20 +42,20 @@ impl Document {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <title>{title}</title>\n<style>{STYLE}</style>\n{heading}"
         );
-        let mut page = Page { text, sections: sections(&self.blocks), started: 0 };
+        let mut page = HtmlPage { text, sections: sections(&self.blocks), started: 0 };
         page.push_blocks(&self.blocks);
         page.text + "</html>\n"
     }
 }
 
 /// A heading, and the name by which links find it.
-struct Section<'a> {
+struct HtmlSection<'a> {
     heading: &'a str,
     id: String,
 }
 
 /// Lists the sections in the order of the page; each has a name of its own.
-fn sections(blocks: &[Block]) -> Vec<Section<'_>> {
+fn sections(blocks: &[Block]) -> Vec<HtmlSection<'_>> {
     fn push_headings<'a>(blocks: &'a [Block], headings: &mut Vec<&'a str>) {
         for block in blocks {
             match block {
@@ -73,7 +73,7 @@ fn sections(blocks: &[Block]) -> Vec<Section<'_>> {
         let numbered = (2..).map(|number| format!("{name}-{number}"));
         let mut names = std::iter::once(name.clone()).chain(numbered);
         let id = names.find(|id| taken.insert(id.clone())).expect("numbers do not end");
-        Section { heading, id }
+        HtmlSection { heading, id }
     };
     headings.into_iter().map(section).collect()
 }
@@ -86,14 +86,14 @@ fn id_of(heading: &str) -> String {
 }
 
 /// A page that is being written.
-struct Page<'a> {
+struct HtmlPage<'a> {
     text: String,
-    sections: Vec<Section<'a>>,
+    sections: Vec<HtmlSection<'a>>,
     /// The number of sections that have begun.
     started: usize,
 }
 
-impl Page<'_> {
+impl HtmlPage<'_> {
     fn push_blocks(&mut self, blocks: &[Block]) {
         for block in blocks {
             match block {

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::PROGRAM_VERSION;
 use crate::comparison::{
     Comparison, ComparisonToA, Difference, JudgedContrast, JudgedStrata, Pairs, PowerAnswer, SettingsDifference,
     SideSummary,
 };
+use crate::plan::PROGRAM_VERSION;
 use crate::stats::{CONFIDENCE, Equivalence};
 use wildfire_base::object;
 

@@ -39,7 +39,7 @@ pub struct Stratum {
 }
 
 /// A seed, and the number of the conditions that vary within a side.
-type Key = (u64, usize);
+type PairKey = (u64, usize);
 
 impl Pairs {
     pub fn new(first: &Side<'_>, second: &Side<'_>) -> Result<Self, ComparisonError> {
@@ -138,7 +138,7 @@ fn keyed(
     side: &Side<'_>,
     columns: &BTreeSet<String>,
     numbers: &mut BTreeMap<Vec<String>, usize>,
-) -> Result<Vec<(Key, usize)>, ComparisonError> {
+) -> Result<Vec<(PairKey, usize)>, ComparisonError> {
     // In the order of the names: keys may be swept in another order on the other side.
     let condition = |column: &String| side.table.conditions.iter().find(|it| it.name == *column);
     let conditions: Vec<_> = columns.iter().filter_map(condition).collect();
@@ -151,7 +151,7 @@ fn keyed(
             *numbers.entry(levels).or_insert(next)
         })
     };
-    let mut keyed: Vec<(Key, usize)> =
+    let mut keyed: Vec<(PairKey, usize)> =
         side.runs.iter().map(|&run| ((side.table.seeds[run], number(run)), run)).collect();
     keyed.sort_unstable();
     match keyed.windows(2).find(|both| both[0].0 == both[1].0) {

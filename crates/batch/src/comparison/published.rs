@@ -8,7 +8,7 @@ use std::path::Path;
 use rand::RngExt;
 
 use crate::comparison::error::ComparisonError;
-use crate::comparison::runs_table::{self, Field, RunsTable};
+use crate::comparison::runs_table::{self, RowField, RunsTable};
 use crate::comparison::sides::{Selection, Side, whole};
 use crate::comparison::{Pairs, SideSummary, summary};
 use crate::stats::{Interval, Series, quantile, welch_interval};
@@ -83,7 +83,7 @@ impl PublishedComparison {
         if let Some(column) = columns.clone().find(|column| file.place(column).is_none()) {
             return Err(ComparisonError::NotATableOfRuns { path: path.to_owned(), column });
         }
-        let fields: Vec<Field> = columns.map(|column| Field::Number(column.into())).collect();
+        let fields: Vec<RowField> = columns.map(|column| RowField::Number(column.into())).collect();
         let table = RunsTable::read(file, &fields)?;
         let side = whole(&table, selection)?;
         // Every run is its own partner, unless a seed is there twice.

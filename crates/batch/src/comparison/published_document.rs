@@ -3,8 +3,8 @@
 use serde::{Serialize, Serializer};
 use serde_json::json;
 
-use crate::PROGRAM_VERSION;
 use crate::comparison::{PublishedComparison, PublishedState, PublishedTime};
+use crate::plan::PROGRAM_VERSION;
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
 

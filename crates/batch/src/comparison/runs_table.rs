@@ -22,14 +22,14 @@ const FAILED_QUERIES: &str = "truck_failed_";
 
 /// A value to read from every row.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Field {
+pub enum RowField {
     /// The number in this column.
     Number(String),
     /// 1 if the column has this word, otherwise 0.
     Is(String, &'static str),
 }
 
-impl Field {
+impl RowField {
     fn column(&self) -> &str {
         match self {
             Self::Number(column) | Self::Is(column, _) => column,
@@ -44,7 +44,7 @@ pub struct RunsTable {
     pub seeds: Vec<u64>,
     /// True if the run finished.
     pub done: Vec<bool>,
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<RunCondition>,
     /// The value of every run for each requested field; NaN where there is none.
     pub values: Vec<Vec<f64>>,
     /// The queries of each run's trucks, as far as the table has them.
@@ -59,7 +59,7 @@ pub struct RunsTable {
 
 /// A condition of runs: the scenario, the planner, or a swept key.
 #[derive(Debug)]
-pub struct Condition {
+pub struct RunCondition {
     pub name: String,
     /// The values in the order of their first runs.
     pub levels: Vec<String>,
@@ -94,15 +94,15 @@ pub fn open(path: &Path) -> Result<TableReader, ComparisonError> {
 
 impl RunsTable {
     /// Reads all rows of a table of runs that has columns for these fields.
-    pub fn read(mut table: TableReader, fields: &[Field]) -> Result<Self, ComparisonError> {
+    pub fn read(mut table: TableReader, fields: &[RowField]) -> Result<Self, ComparisonError> {
         let place = |column: &str| table.place(column).expect("the column was looked for");
         let (seed, status) = (place("seed"), place("status"));
         let places: Vec<usize> = fields.iter().map(|field| place(field.column())).collect();
         // Conditions come before the status, and are what does not name the run itself.
-        let mut conditions: Vec<(usize, Condition, BTreeMap<Vec<u8>, u32>)> = Vec::new();
+        let mut conditions: Vec<(usize, RunCondition, BTreeMap<Vec<u8>, u32>)> = Vec::new();
         for (place, name) in table.columns().iter().enumerate().take_while(|(_, name)| *name != "status") {
             if name != "seed" && name != "run" {
-                let condition = Condition { name: name.clone(), levels: Vec::new(), of_run: Vec::new() };
+                let condition = RunCondition { name: name.clone(), levels: Vec::new(), of_run: Vec::new() };
                 conditions.push((place, condition, BTreeMap::new()));
             }
         }
@@ -143,11 +143,11 @@ impl RunsTable {
             }
             for ((values, field), &place) in values.iter_mut().zip(fields).zip(&places) {
                 values.push(match field {
-                    Field::Is(_, word) if !table.bytes(place).is_empty() => {
+                    RowField::Is(_, word) if !table.bytes(place).is_empty() => {
                         f64::from(u8::from(table.bytes(place) == word.as_bytes()))
                     }
-                    Field::Is(..) => f64::NAN,
-                    Field::Number(_) => match table.number(place)? {
+                    RowField::Is(..) => f64::NAN,
+                    RowField::Number(_) => match table.number(place)? {
                         Some(number) if number.abs() <= LARGEST => number,
                         Some(_) => return Err(table.wrong_value(place, "a number, or nothing").into()),
                         None => f64::NAN,
@@ -175,7 +175,7 @@ fn impossible_states(count: &dyn Fn(&str) -> Option<u64>) -> Option<String> {
     })
 }
 
-impl Condition {
+impl RunCondition {
     fn add(&mut self, level: &[u8], index_of: &mut BTreeMap<Vec<u8>, u32>) {
         let index = index_of.get(level).copied().unwrap_or_else(|| {
             let index = self.levels.len() as u32;

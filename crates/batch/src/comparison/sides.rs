@@ -1,7 +1,7 @@
 //! The sides of a comparison: selected runs of tables.
 
 use crate::comparison::error::ComparisonError;
-use crate::comparison::runs_table::{Condition, RunsTable};
+use crate::comparison::runs_table::{RunCondition, RunsTable};
 use crate::plan::is_same_value;
 use wildfire_base::untrusted::visible_start;
 use wildfire_sim::scenario::nearest_name;
@@ -50,7 +50,7 @@ impl<'a> Side<'a> {
     }
 
     /// Returns the conditions that vary among its runs.
-    pub fn varying(&self) -> Vec<&'a Condition> {
+    pub fn varying(&self) -> Vec<&'a RunCondition> {
         self.table
             .conditions
             .iter()
@@ -77,7 +77,7 @@ impl<'a> Side<'a> {
         let common = self.table.conditions.iter().filter(|condition| !varying.contains(&&condition.name));
         // A batch without trucks has no planner.
         let is_named =
-            |condition: &&Condition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
+            |condition: &&RunCondition| self.runs.first().is_some_and(|&run| !condition.level_of(run).is_empty());
         let common: Vec<_> = common
             .filter(is_named)
             .map(|condition| {
@@ -106,7 +106,7 @@ pub fn whole<'a>(table: &'a RunsTable, selection: &Selection) -> Result<Side<'a>
 
 fn parts<'a>(
     table: &'a RunsTable,
-    by: &'a Condition,
+    by: &'a RunCondition,
     levels: &[String],
     selection: &Selection,
 ) -> Result<Vec<Side<'a>>, ComparisonError> {
@@ -134,7 +134,7 @@ fn parts<'a>(
     Ok(levels.into_iter().map(part).collect())
 }
 
-fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Result<&'a Condition, ComparisonError> {
+fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Result<&'a RunCondition, ComparisonError> {
     match whole(table, selection)?.varying()[..] {
         [one] => Ok(one),
         ref several => {
@@ -144,7 +144,7 @@ fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Res
     }
 }
 
-fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, ComparisonError> {
+fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a RunCondition, ComparisonError> {
     let names = || table.conditions.iter().map(|condition| condition.name.as_str());
     table.conditions.iter().find(|condition| condition.name == column).ok_or_else(|| {
         ComparisonError::UnknownCondition {
@@ -156,7 +156,7 @@ fn condition<'a>(table: &'a RunsTable, column: &str) -> Result<&'a Condition, Co
     })
 }
 
-fn level(table: &RunsTable, condition: &Condition, value: &str) -> Result<u32, ComparisonError> {
+fn level(table: &RunsTable, condition: &RunCondition, value: &str) -> Result<u32, ComparisonError> {
     let found = condition.levels.iter().position(|level| is_same_value(level, value));
     found.map(|index| index as u32).ok_or_else(|| ComparisonError::UnknownLevel {
         path: table.path.clone(),

@@ -60,7 +60,7 @@ pub fn attain(
 
 /// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
 fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option<HindsightBound>, RunError> {
-    let mut tree = Tree { choices, left: budget, best: None };
+    let mut tree = DecisionTree { choices, left: budget, best: None };
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
     }
@@ -89,13 +89,13 @@ fn played(run: &Simulation, records: bool) -> Result<Simulation, RunError> {
     Ok(copy)
 }
 
-struct Tree {
+struct DecisionTree {
     choices: usize,
     left: u32,
     best: Option<(Simulation, Answers)>,
 }
 
-impl Tree {
+impl DecisionTree {
     /// Plays all that may follow; false if the budget ends before.
     fn descend(&mut self, before: &Simulation, answers: &mut Answers) -> Result<bool, RunError> {
         if self.left == 0 {
@@ -133,8 +133,13 @@ impl Tree {
 
 /// Goes through decisions by time, and keeps every answer that loses less.
 fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<HindsightBound, RunError> {
-    let mut search =
-        Search { before: start.fork()?, fork: start.fork()?, answers: Answers::new(), answered: None, left: budget };
+    let mut search = HindsightSearch {
+        before: start.fork()?,
+        fork: start.fork()?,
+        answers: Answers::new(),
+        answered: None,
+        left: budget,
+    };
     let mut decisions = search.play(None)?;
     let lost = search.fork.lost();
     let mut attainable = lost;
@@ -173,7 +178,7 @@ fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Hindsi
     search.restart(start)?;
     search.go_to(SimTime::MAX);
     search.before.expect_within_memory()?;
-    let Search { before, answers, left, .. } = search;
+    let HindsightSearch { before, answers, left, .. } = search;
     debug_assert_eq!(before.lost(), attainable);
     // The loss of the run that is returned, whatever the search believed.
     Ok(HindsightBound {
@@ -206,7 +211,7 @@ pub fn attain_all(
         .collect()
 }
 
-struct Search {
+struct HindsightSearch {
     /// The run with the answers so far, just before a decision.
     before: Simulation,
     /// A copy of it that is played to the end.
@@ -217,7 +222,7 @@ struct Search {
     left: u32,
 }
 
-impl Search {
+impl HindsightSearch {
     fn restart(&mut self, start: &Simulation) -> Result<(), RunError> {
         self.answered = None;
         Ok(self.before.become_fork_of(start)?)

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::drives::query::{CERTIFIED_COLUMN, DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};
 use crate::plan::{MAX_VARIANTS, Setting, Value};
-use crate::table::{Lines, TableError, TableReader};
+use crate::table::{CsvLines, TableError, TableReader};
 use wildfire_base::object::Members;
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::WholeFile;
@@ -79,7 +79,7 @@ impl DriveTable {
     /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet evaluates a name.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         let has_seeds = self.rows.iter().any(|row| row.seed.is_some());
-        let mut lines = Lines::default();
+        let mut lines = CsvLines::default();
         let names = has_seeds.then_some(SEED).into_iter().chain(self.keys.iter().map(String::as_str));
         let names = names.chain(self.columns().map(|column| column.name));
         names.for_each(|name| lines.add_field(&Value::Text(name.to_owned())));
@@ -102,12 +102,12 @@ impl DriveTable {
     /// # Errors
     /// If it is none, holds nothing, or more than is kept in memory.
     pub fn read(path: &Path) -> Result<Self, TableError> {
-        Reading::open(path)?.finish()
+        TableReading::open(path)?.finish()
     }
 }
 
 /// A table that is being read.
-struct Reading<'a> {
+struct TableReading<'a> {
     path: &'a Path,
     reader: TableReader,
     seed: Option<usize>,
@@ -122,7 +122,7 @@ struct Reading<'a> {
     table: DriveTable,
 }
 
-impl<'a> Reading<'a> {
+impl<'a> TableReading<'a> {
     fn open(path: &'a Path) -> Result<Self, TableError> {
         let reader = TableReader::open(path)?;
         let mut columns = [usize::MAX; DRIVE_COLUMNS.len()];

@@ -186,11 +186,11 @@ impl OutputFolder {
     /// Returns whether the folder has the plan of a batch of this program.
     fn holds_a_plan(&self) -> bool {
         #[derive(Deserialize)]
-        struct Plan {
+        struct FolderPlan {
             program: String,
         }
         let json = fs::read(self.path.join(PLAN_FILE)).unwrap_or_default();
-        serde_json::from_slice(&json).is_ok_and(|plan: Plan| plan.program == PROGRAM)
+        serde_json::from_slice(&json).is_ok_and(|plan: FolderPlan| plan.program == PROGRAM)
     }
 
     pub fn path(&self) -> &Path {

@@ -102,12 +102,12 @@ pub struct MissingRuns {
 pub struct JournalScan {
     folder: OutputFolder,
     runs: u64,
-    slices: Vec<Counted>,
+    slices: Vec<CountedLines>,
 }
 
 /// The lines of a slice's journal that were counted so far.
 #[derive(Clone, Copy, Debug)]
-struct Counted {
+struct CountedLines {
     slice: Slice,
     lines: u64,
     bytes: u64,
@@ -119,7 +119,7 @@ impl JournalScan {
     /// # Errors
     /// As [`slices_of`].
     pub fn new(folder: &OutputFolder, plan: &BatchPlan) -> Result<Self, BatchError> {
-        let slices = slices_of(folder)?.map(|slice| Counted { slice, lines: 0, bytes: 0 }).collect();
+        let slices = slices_of(folder)?.map(|slice| CountedLines { slice, lines: 0, bytes: 0 }).collect();
         Ok(Self { folder: folder.clone(), runs: plan.count(), slices })
     }
 

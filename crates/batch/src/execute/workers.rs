@@ -87,7 +87,7 @@ enum Finished {
     Again { run: u64, made: Box<(RunRow, Option<Timeline>)> },
 }
 
-type Message = Result<Finished, BatchError>;
+type WorkerMessage = Result<Finished, BatchError>;
 
 /// Executes runs until the work is done or stopped, and syncs the journal. Returns how many runs were recorded again.
 pub fn run_all(
@@ -126,7 +126,7 @@ pub fn run_all(
 }
 
 /// The workers end when there is no more work, or nobody who takes its results.
-fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, BatchError> {
+fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<WorkerMessage>, BatchError> {
     let (sender, receiver) = sync_channel(jobs * WAITING_ROWS);
     for _ in 0..jobs {
         let work = Arc::clone(work);
@@ -138,7 +138,7 @@ fn start_workers(work: &Arc<Work>, jobs: usize) -> Result<Receiver<Message>, Bat
 }
 
 impl Work {
-    fn run_all(&self, sender: &SyncSender<Message>) {
+    fn run_all(&self, sender: &SyncSender<WorkerMessage>) {
         while let Some(task) = self.next_task() {
             let Some(message) = self.perform(task) else { break };
             let is_last = message.is_err();
@@ -156,7 +156,7 @@ impl Work {
     }
 
     /// Returns nothing of a run that was stopped before its end.
-    fn perform(&self, task: Task) -> Option<Message> {
+    fn perform(&self, task: Task) -> Option<WorkerMessage> {
         match task {
             Task::Run(number) => {
                 let run = self.plan.run(number);

@@ -88,19 +88,19 @@ fn syntax(path: &str, text: &str, error: &toml::de::Error) -> PlanFileError {
     PlanFileError::Syntax { path: path.to_owned(), line, message: error.message().to_owned() }
 }
 
-enum Fault {
+enum PlanFileProblem {
     Wrong(String),
     Seeds(SeedsError),
     Sweep(SweepError),
 }
 
-impl From<SweepError> for Fault {
+impl From<SweepError> for PlanFileProblem {
     fn from(error: SweepError) -> Self {
         Self::Sweep(error)
     }
 }
 
-impl Fault {
+impl PlanFileProblem {
     fn at(self, path: &str) -> PlanFileError {
         let path = path.to_owned();
         match self {
@@ -119,12 +119,12 @@ impl BatchRequest {
 }
 
 impl PlanFile {
-    fn into_request(self, folder: &Path) -> Result<BatchRequest, Fault> {
+    fn into_request(self, folder: &Path) -> Result<BatchRequest, PlanFileProblem> {
         let scenarios = self.scenarios.unwrap_or_else(|| vec!["contest".into()]);
         if scenarios.is_empty() {
-            return Err(Fault::Wrong("`scenarios` is empty; expected at least one name or path".into()));
+            return Err(PlanFileProblem::Wrong("`scenarios` is empty; expected at least one name or path".into()));
         }
-        let seeds = self.seeds.as_ref().map(SeedList::parse).transpose().map_err(Fault::Seeds)?;
+        let seeds = self.seeds.as_ref().map(SeedList::parse).transpose().map_err(PlanFileProblem::Seeds)?;
         let changes = leaves(self.set).into_iter().map(|(key, value)| format!("{key}={value}")).collect();
         let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
@@ -145,8 +145,8 @@ impl SeedList {
     }
 }
 
-fn wrong_memory(size: &str, reason: String) -> Fault {
-    Fault::Wrong(format!("`memory` is {size:?}; {reason}"))
+fn wrong_memory(size: &str, reason: String) -> PlanFileProblem {
+    PlanFileProblem::Wrong(format!("`memory` is {size:?}; {reason}"))
 }
 
 /// A built-in scenario's name as it is, a path from the plan's folder.
@@ -155,14 +155,14 @@ pub(super) fn located(name: &str, folder: &Path) -> String {
     if is_built_in { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
 }
 
-fn sweep_of(table: Table) -> Result<Sweep, Fault> {
+fn sweep_of(table: Table) -> Result<Sweep, PlanFileProblem> {
     let column = |(key, value): (String, Value)| match value {
         Value::Array(values) => Ok((key, values.into_iter().map(Setting::from_toml).collect())),
-        other => Err(Fault::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
+        other => Err(PlanFileProblem::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
     };
     let columns = leaves(table).into_iter().map(column).collect::<Result<Vec<_>, _>>()?;
     if columns.is_empty() {
-        return Err(Fault::Wrong("a [[sweep]] is empty; expected a key with a list of values".into()));
+        return Err(PlanFileProblem::Wrong("a [[sweep]] is empty; expected a key with a list of values".into()));
     }
     Ok(Sweep::together(columns)?)
 }

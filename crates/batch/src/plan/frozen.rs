@@ -68,14 +68,14 @@ fn list(differences: &[String]) -> String {
 
 /// The part that plans of all formats have.
 #[derive(Deserialize)]
-pub(super) struct Head {
+pub(super) struct PlanHead {
     program: String,
     pub program_version: String,
     pub format: u32,
 }
 
 #[derive(Deserialize)]
-struct Body {
+struct PlanBody {
     content_sha256: String,
     seeds: String,
     record: Record,
@@ -196,7 +196,7 @@ impl BatchPlan {
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
             return Err(PlanError::OtherVersion { path, found: head.program_version });
         }
-        let body: Body = read_json(&path, &file)?;
+        let body: PlanBody = read_json(&path, &file)?;
         let expected = body.content_sha256.clone();
         let plan = body.into_plan().map_err(|error| not_a_plan(error.to_string()))?;
         let found = plan.content_sha256();
@@ -278,7 +278,10 @@ impl BatchPlan {
             let crews = scenario.custom_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
-                _ => !registry.policies.custom_names().any(|custom| custom == name) && !is_program(&scenario.policy, name),
+                _ => {
+                    !registry.policies.custom_names().any(|custom| custom == name)
+                        && !is_program(&scenario.policy, name)
+                }
             });
             if let Some((kind, name)) = missing {
                 return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });
@@ -309,7 +312,7 @@ impl BatchPlan {
     }
 }
 
-impl Body {
+impl PlanBody {
     fn into_plan(self) -> Result<BatchPlan, SeedsError> {
         let Self { seeds, record, memory_bytes: memory, free, swept_keys, variants, .. } = self;
         let seeds: Seeds = seeds.parse()?;
@@ -318,8 +321,8 @@ impl Body {
 }
 
 /// Reads which program wrote the plan, and in which format.
-pub(super) fn read_head(path: &Path, file: &File) -> Result<Head, PlanError> {
-    let head: Head = read_json(path, file)?;
+pub(super) fn read_head(path: &Path, file: &File) -> Result<PlanHead, PlanError> {
+    let head: PlanHead = read_json(path, file)?;
     if head.program == PROGRAM {
         return Ok(head);
     }

@@ -44,7 +44,7 @@ pub struct RecordedVariant {
 }
 
 #[derive(Deserialize)]
-struct Body {
+struct RecordedBody {
     /// Plans that were written before runs had a limit do not say it.
     #[serde(default)]
     memory_bytes: MemoryLimit,
@@ -82,7 +82,7 @@ impl RecordedPlan {
                 format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
             return Err(PlanError::NotAPlan { path, reason });
         }
-        let Body { memory_bytes: memory, free, swept_keys, variants } = read_json(&path, &file)?;
+        let RecordedBody { memory_bytes: memory, free, swept_keys, variants } = read_json(&path, &file)?;
         let variants = variants.into_iter().map(RecordedVariant::from).collect();
         Ok(Self { program_version, memory, free, swept_keys, variants })
     }

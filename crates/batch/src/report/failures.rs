@@ -13,14 +13,14 @@ pub struct Failures {
     /// Queries or asks in all.
     total: u64,
     /// By the place of their reason among the columns.
-    reasons: BTreeMap<usize, Reason>,
+    reasons: BTreeMap<usize, FailureReason>,
     /// The policy that messages name first.
     policy: Option<String>,
 }
 
 /// Failures for one reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Reason {
+struct FailureReason {
     name: String,
     count: u64,
     /// The first message, if there is one.
@@ -55,7 +55,7 @@ impl Failures {
         let reason = failure.map(|name| {
             let column = reasons("truck_failed_").find(|(column_name, _)| *column_name == name);
             let detail = message.map(whole);
-            (column.map_or(usize::MAX, |(_, place)| place), Reason { name, count: 1, detail })
+            (column.map_or(usize::MAX, |(_, place)| place), FailureReason { name, count: 1, detail })
         });
         Self { total: 1, reasons: reason.into_iter().collect(), policy: None }
     }
@@ -82,7 +82,7 @@ impl Failures {
             let (who, detail) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
-            let reason = Reason { name, count: number(column), detail: detail.map(whole) };
+            let reason = FailureReason { name, count: number(column), detail: detail.map(whole) };
             failures.reasons.insert(column, reason);
         }
         failures
@@ -111,9 +111,9 @@ impl Failures {
 
     fn sentence(&self, subject: &str) -> Option<String> {
         let failed = self.failed();
-        let mut reasons: Vec<&Reason> = self.reasons.values().collect();
+        let mut reasons: Vec<&FailureReason> = self.reasons.values().collect();
         reasons.sort_by_key(|reason| std::cmp::Reverse(reason.count));
-        let reasons = reasons.into_iter().map(|Reason { name, count, detail }| {
+        let reasons = reasons.into_iter().map(|FailureReason { name, count, detail }| {
             let detail = detail.as_ref().map_or(String::new(), |detail| format!(" ({detail})"));
             format!("{name} {count}{detail}")
         });
@@ -143,7 +143,8 @@ impl AddAssign for Failures {
         self.total = self.total.saturating_add(other.total);
         self.policy = self.policy.take().or(other.policy);
         for (column, reason) in other.reasons {
-            let sum = self.reasons.entry(column).or_insert(Reason { name: reason.name, ..Reason::default() });
+            let sum =
+                self.reasons.entry(column).or_insert(FailureReason { name: reason.name, ..FailureReason::default() });
             sum.count = sum.count.saturating_add(reason.count);
             sum.detail = sum.detail.take().or(reason.detail);
         }
@@ -199,7 +200,7 @@ mod tests {
             reasons: reasons
                 .iter()
                 .map(|&(place, name, count, detail)| {
-                    (place, Reason { name: name.to_owned(), count, detail: detail.map(str::to_owned) })
+                    (place, FailureReason { name: name.to_owned(), count, detail: detail.map(str::to_owned) })
                 })
                 .collect(),
             policy: None,

@@ -16,9 +16,9 @@ pub struct Profile {
 
 /// A part of the CPU time: its name, whether only some runs have it, such as those with a dispatched team, and its
 /// seconds.
-type Part = (&'static str, bool, fn(&CpuSplit) -> f64);
+type ProfilePart = (&'static str, bool, fn(&CpuSplit) -> f64);
 
-const PARTS: [Part; 13] = [
+const PARTS: [ProfilePart; 13] = [
     ("Field generation", false, |cpu| cpu.terrain_s),
     ("Clearance field", false, |cpu| cpu.clearance_field_s),
     ("Roadmap sampling", false, |cpu| cpu.sampling_s),

@@ -38,7 +38,7 @@ pub struct VariantReport {
 }
 
 /// A mean that a table of several variants shows, over runs that are done.
-struct Mean {
+struct MeanRow {
     heading: &'static str,
     column: usize,
     scale: f64,
@@ -51,11 +51,11 @@ const OBSTACLES: usize = run_column("obstacles");
 const STATES: [usize; 4] =
     [run_column("intact"), run_column("burning"), run_column("burned_out"), run_column("extinguished")];
 
-const fn mean(heading: &'static str, column: &str, scale: f64, decimals: usize) -> Mean {
-    Mean { heading, column: run_column(column), scale, decimals }
+const fn mean(heading: &'static str, column: &str, scale: f64, decimals: usize) -> MeanRow {
+    MeanRow { heading, column: run_column(column), scale, decimals }
 }
 
-const MEANS: [Mean; 5] = [
+const MEANS: [MeanRow; 5] = [
     mean("Intact\nratio", "intact_ratio", 1.0, 3),
     mean("Burned\nratio", "burned_ratio", 1.0, 3),
     mean("Exting.\nratio", "extinguished_ratio", 1.0, 3),
@@ -64,7 +64,7 @@ const MEANS: [Mean; 5] = [
 ];
 
 /// Means over teams of trucks: drives, waiting times, wasted drives.
-const FLEET_MEANS: [Mean; 9] = [
+const FLEET_MEANS: [MeanRow; 9] = [
     mean("Burned\nratio", "burned_ratio", 1.0, 3),
     mean("Goals", "truck_goals", 1.0, 1),
     mean("Wasted\ndrives", "truck_wasted_drives", 1.0, 1),
@@ -305,8 +305,8 @@ impl VariantReport {
         [name].into_iter().chain(counts).chain(self.mean_cells(&MEANS)).collect()
     }
 
-    fn mean_cells(&self, means: &[Mean]) -> impl Iterator<Item = String> {
-        let mean = |mean: &Mean| self.column(mean.column).mean().map(|value| value * mean.scale);
+    fn mean_cells(&self, means: &[MeanRow]) -> impl Iterator<Item = String> {
+        let mean = |mean: &MeanRow| self.column(mean.column).mean().map(|value| value * mean.scale);
         means.iter().map(move |column| optional(mean(column), column.decimals))
     }
 }

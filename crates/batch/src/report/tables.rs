@@ -14,7 +14,7 @@ pub const SHOWN_RUNS: usize = 20;
 
 /// A column of a table: a number of every run.
 #[derive(Debug)]
-struct Quantity {
+struct TableQuantity {
     heading: &'static str,
     /// Decimals of a run's number, and of statistics.
     decimals: [usize; 2],
@@ -25,7 +25,7 @@ struct Quantity {
     max: Option<f64>,
 }
 
-impl Quantity {
+impl TableQuantity {
     /// A count of cells, which is the sum of these columns.
     const fn cells(heading: &'static str, columns: &'static [usize]) -> Self {
         Self { heading, decimals: [0, 2], columns, scale: 1.0, max: None }
@@ -53,44 +53,44 @@ impl Quantity {
 
 /// The contents of a table.
 #[derive(Debug)]
-struct Layout {
+struct TableLayout {
     title: &'static str,
-    quantities: &'static [Quantity],
+    quantities: &'static [TableQuantity],
     shows_seeds: bool,
     shows_sums: bool,
 }
 
-static OBSTACLE_STATES: Layout = Layout {
+static OBSTACLE_STATES: TableLayout = TableLayout {
     title: "TABLE I. Obstacle states at the end of each run; burned: burning or burned out.",
     shows_seeds: true,
     shows_sums: false,
     quantities: &[
-        Quantity { max: Some(f64::INFINITY), ..Quantity::cells("Total", &[run_column("obstacles")]) },
-        Quantity::cells("Intact\ntotal", &[run_column("intact")]),
-        Quantity::ratio("Intact\nratio", &[run_column("intact_ratio")]),
-        Quantity::cells("Burned\ntotal", &[run_column("burning"), run_column("burned_out")]),
-        Quantity::ratio("Burned\nratio", &[run_column("burned_ratio")]),
-        Quantity::cells("Exting.\ntotal", &[run_column("extinguished")]),
-        Quantity::ratio("Exting.\nratio", &[run_column("extinguished_ratio")]),
+        TableQuantity { max: Some(f64::INFINITY), ..TableQuantity::cells("Total", &[run_column("obstacles")]) },
+        TableQuantity::cells("Intact\ntotal", &[run_column("intact")]),
+        TableQuantity::ratio("Intact\nratio", &[run_column("intact_ratio")]),
+        TableQuantity::cells("Burned\ntotal", &[run_column("burning"), run_column("burned_out")]),
+        TableQuantity::ratio("Burned\nratio", &[run_column("burned_ratio")]),
+        TableQuantity::cells("Exting.\ntotal", &[run_column("extinguished")]),
+        TableQuantity::ratio("Exting.\nratio", &[run_column("extinguished_ratio")]),
     ],
 };
 
-static CPU_TIMES: Layout = Layout {
+static CPU_TIMES: TableLayout = TableLayout {
     title: "TABLE II. CPU time of each run in milliseconds.",
     shows_seeds: false,
     shows_sums: true,
     quantities: &[
-        Quantity::milliseconds("Clear.\nfield", &[run_column("cpu_clearance_field_s")]),
-        Quantity::milliseconds(ROADMAP[0], &[run_column("cpu_sampling_s")]),
-        Quantity::milliseconds(ROADMAP[1], &[run_column("cpu_map_generation_s")]),
-        Quantity::milliseconds(ROADMAP[2], &[run_column("cpu_roadmap_search_s")]),
-        Quantity::milliseconds("Local\nsearch", &[run_column("cpu_local_search_s")]),
-        Quantity::milliseconds("Reacha-\nbility", &[run_column("cpu_reachability_s")]),
-        Quantity::milliseconds(CUSTOM[0], &[run_column("cpu_custom_start_s")]),
-        Quantity::milliseconds(CUSTOM[1], &[run_column("cpu_custom_queries_s")]),
-        Quantity::milliseconds(PRM_ONLY, &[run_column("cpu_prm_total_s")]),
-        Quantity::milliseconds("Unimog\ntotal", &[run_column("cpu_unimog_total_s")]),
-        Quantity::milliseconds("Wumpus\nsearch", &[run_column("cpu_wumpus_s")]),
+        TableQuantity::milliseconds("Clear.\nfield", &[run_column("cpu_clearance_field_s")]),
+        TableQuantity::milliseconds(ROADMAP[0], &[run_column("cpu_sampling_s")]),
+        TableQuantity::milliseconds(ROADMAP[1], &[run_column("cpu_map_generation_s")]),
+        TableQuantity::milliseconds(ROADMAP[2], &[run_column("cpu_roadmap_search_s")]),
+        TableQuantity::milliseconds("Local\nsearch", &[run_column("cpu_local_search_s")]),
+        TableQuantity::milliseconds("Reacha-\nbility", &[run_column("cpu_reachability_s")]),
+        TableQuantity::milliseconds(CUSTOM[0], &[run_column("cpu_custom_start_s")]),
+        TableQuantity::milliseconds(CUSTOM[1], &[run_column("cpu_custom_queries_s")]),
+        TableQuantity::milliseconds(PRM_ONLY, &[run_column("cpu_prm_total_s")]),
+        TableQuantity::milliseconds("Unimog\ntotal", &[run_column("cpu_unimog_total_s")]),
+        TableQuantity::milliseconds("Wumpus\nsearch", &[run_column("cpu_wumpus_s")]),
     ],
 };
 
@@ -162,7 +162,7 @@ impl Tables {
 /// A table that is being collected.
 #[derive(Clone, Debug)]
 struct RunTable {
-    layout: &'static Layout,
+    layout: &'static TableLayout,
     /// Seed and numbers of the first runs; `None` of a run that is not done.
     shown: Vec<(u64, Option<Vec<f64>>)>,
     series: Vec<Series>,
@@ -170,7 +170,7 @@ struct RunTable {
 }
 
 impl RunTable {
-    fn new(layout: &'static Layout) -> Self {
+    fn new(layout: &'static TableLayout) -> Self {
         Self { layout, shown: Vec::new(), series: vec![Series::default(); layout.quantities.len()], runs: 0 }
     }
 
@@ -253,7 +253,7 @@ impl RunTable {
         &self,
         label: String,
         seed: String,
-        decimals: impl Fn(&Quantity) -> usize,
+        decimals: impl Fn(&TableQuantity) -> usize,
         number: impl Fn(usize) -> Option<f64>,
     ) -> Vec<String> {
         let cells = self

@@ -51,12 +51,12 @@ impl SignedRanks {
 }
 
 /// A difference that is not zero: its side, and its rank by size, doubled so that shared ranks are whole.
-struct Rank {
+struct SignedRank {
     above: bool,
     doubled: u64,
 }
 
-fn ranked(differences: &[f64]) -> Vec<Rank> {
+fn ranked(differences: &[f64]) -> Vec<SignedRank> {
     let mut sorted = differences.to_vec();
     sorted.sort_unstable_by(|a, b| a.abs().total_cmp(&b.abs()));
     let mut ranks = Vec::with_capacity(sorted.len());
@@ -64,14 +64,14 @@ fn ranked(differences: &[f64]) -> Vec<Rank> {
     for equal in sorted.chunk_by(|a, b| a.abs() == b.abs()) {
         let doubled = (2 * before + equal.len() + 1) as u64;
         let nonzero = equal.iter().filter(|&&difference| difference != 0.0);
-        ranks.extend(nonzero.map(|&difference| Rank { above: difference > 0.0, doubled }));
+        ranks.extend(nonzero.map(|&difference| SignedRank { above: difference > 0.0, doubled }));
         before += equal.len();
     }
     ranks
 }
 
 /// Returns twice the share of all choices of signs whose sum of ranks above zero is at most `smaller`.
-fn exact_p_value(ranked: &[Rank], smaller: u64) -> f64 {
+fn exact_p_value(ranked: &[SignedRank], smaller: u64) -> f64 {
     let max: u64 = ranked.iter().map(|rank| rank.doubled).sum();
     let mut choices = vec![0_u64; max as usize + 1];
     choices[0] = 1;
@@ -86,7 +86,7 @@ fn exact_p_value(ranked: &[Rank], smaller: u64) -> f64 {
     (2.0 * at_most as f64 / all as f64).min(1.0)
 }
 
-fn normal_p_value(ranked: &[Rank], above: u64, below: u64) -> f64 {
+fn normal_p_value(ranked: &[SignedRank], above: u64, below: u64) -> f64 {
     // Each rank falls on either side like a coin: the difference of the sums has the variance of the squares.
     let variance: f64 = ranked.iter().map(|rank| rank.doubled as f64 * rank.doubled as f64).sum();
     normal_two_sided((above as f64 - below as f64) / variance.sqrt())

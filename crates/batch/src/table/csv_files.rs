@@ -50,7 +50,7 @@ impl CsvFiles {
 
 /// Returns the lines of runs, and those of their agents.
 fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
-    let mut lines = [Lines::default(), Lines::default()];
+    let mut lines = [CsvLines::default(), CsvLines::default()];
     let [runs, agents] = &mut lines;
     for recorded in rows {
         let (label, rest) = recorded.values();
@@ -61,22 +61,22 @@ fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
             agents.end();
         }
     }
-    lines.map(Lines::into_bytes)
+    lines.map(CsvLines::into_bytes)
 }
 
 /// The lines of a file in memory, whose cells no spreadsheet evaluates.
-pub struct Lines {
+pub struct CsvLines {
     writer: csv::Writer<Vec<u8>>,
     field: String,
 }
 
-impl Default for Lines {
+impl Default for CsvLines {
     fn default() -> Self {
         Self { writer: csv::Writer::from_writer(Vec::new()), field: String::new() }
     }
 }
 
-impl Lines {
+impl CsvLines {
     pub fn add_field(&mut self, value: &Value) {
         // Numbers are no formulas, whatever they begin with.
         let written = match value {
@@ -108,7 +108,7 @@ struct CsvFile {
 impl CsvFile {
     fn create(path: PathBuf, disk: &dyn Disk, header: impl Iterator<Item = String>) -> Result<Self, BatchError> {
         let file = disk.whole_file(&path).map_err(|source| BatchError::unwritable(&path, source))?;
-        let mut lines = Lines::default();
+        let mut lines = CsvLines::default();
         header.for_each(|name| lines.add_field(&Value::Text(name)));
         lines.end();
         let mut file = Self { file, path };

@@ -20,7 +20,7 @@ pub use columns::{
     STATE_COLUMNS, StateColumn, is_measured, run_column,
 };
 pub(super) use columns::{about, columns};
-pub(super) use csv_files::{CsvFiles, Lines};
+pub(super) use csv_files::{CsvFiles, CsvLines};
 pub use dictionary::{TableOfRows, row_schema};
 pub(super) use finished::FinishedRows;
 pub use finished::{FinishedBatch, FinishedError, recordings_in};

@@ -42,13 +42,13 @@ pub struct FuelBed {
 
 /// Fuel of one size, dead or live.
 #[derive(Clone, Copy)]
-struct Class {
+struct SizeClass {
     load: f64,
     sav: f64,
     moisture: f64,
 }
 
-impl Class {
+impl SizeClass {
     /// Surface per area of ground (53).
     fn area(self) -> f64 {
         self.sav * self.load / PARTICLE_DENSITY
@@ -56,13 +56,13 @@ impl Class {
 }
 
 /// Sums over classes; those without load add nothing.
-fn sum(classes: &[Class], value: impl Fn(Class) -> f64) -> f64 {
+fn sum(classes: &[SizeClass], value: impl Fn(SizeClass) -> f64) -> f64 {
     classes.iter().filter(|class| class.load > 0.0).map(|&class| value(class)).sum()
 }
 
 /// Means over classes by their surface (56); zero without any.
-fn mean(classes: &[Class], value: impl Fn(Class) -> f64) -> f64 {
-    let area = sum(classes, Class::area);
+fn mean(classes: &[SizeClass], value: impl Fn(SizeClass) -> f64) -> f64 {
+    let area = sum(classes, SizeClass::area);
     if area > 0.0 { sum(classes, |class| class.area() / area * value(class)) } else { 0.0 }
 }
 
@@ -71,8 +71,8 @@ fn size_bin(sav: f64) -> usize {
 }
 
 /// Weighs each load by the surface of its size class, without minerals (Albini, 1976, in place of 24 and 59).
-fn net_load(classes: &[Class]) -> f64 {
-    let area = sum(classes, Class::area);
+fn net_load(classes: &[SizeClass]) -> f64 {
+    let area = sum(classes, SizeClass::area);
     sum(classes, |class| {
         sum(classes, |other| if size_bin(other.sav) == size_bin(class.sav) { other.area() / area } else { 0.0 })
             * class.load
@@ -88,7 +88,7 @@ fn moisture_damping(state: FuelState) -> f64 {
 }
 
 /// Returns the moisture from which on live fuel does not burn: the more dry dead fuel, the higher (Albini, 1976, for 88).
-fn live_extinction(dead: &[Class], live: &[Class], dead_extinction: f64) -> f64 {
+fn live_extinction(dead: &[SizeClass], live: &[SizeClass], dead_extinction: f64) -> f64 {
     let fine_dead = sum(dead, |class| class.load * ops::exp(-138.0 / class.sav));
     let fine_live = sum(live, |class| class.load * ops::exp(-500.0 / class.sav));
     if fine_dead == 0.0 || fine_live == 0.0 {
@@ -108,7 +108,7 @@ impl FuelBed {
             Curing::Exact => ((12.0 - 10.0 * herb) / 9.0).clamp(0.0, 1.0),
             Curing::Behave => (1.333 - 1.11 * herb).clamp(0.0, 1.0),
         };
-        let class = |size: usize, share: f64, moisture| Class {
+        let class = |size: usize, share: f64, moisture| SizeClass {
             load: share * model.loads[size],
             sav: model.savs[size],
             moisture,
@@ -116,22 +116,25 @@ impl FuelBed {
         // Cured grass is as fine as it was alive and as dry as what is dead.
         let dead = [class(0, 1.0, d1), class(1, 1.0, d10), class(2, 1.0, d100), class(3, cured, d1)];
         let live = [class(3, 1.0 - cured, herb), class(4, 1.0, woody)];
-        let areas = [sum(&dead, Class::area), sum(&live, Class::area)];
+        let areas = [sum(&dead, SizeClass::area), sum(&live, SizeClass::area)];
         let area = areas[0] + areas[1];
         if area == 0.0 {
             return Self::without_fuel();
         }
         // The mean over both categories (56, 57).
-        let overall =
-            |value: &dyn Fn(Class) -> f64| areas[0] / area * mean(&dead, value) + areas[1] / area * mean(&live, value);
+        let overall = |value: &dyn Fn(SizeClass) -> f64| {
+            areas[0] / area * mean(&dead, value) + areas[1] / area * mean(&live, value)
+        };
 
         let sav = overall(&|class| class.sav);
         let bulk_density = model.loads.iter().sum::<f64>() / model.depth_ft;
         let packing = bulk_density / PARTICLE_DENSITY;
         let relative_packing = packing / (3.348 * ops::pow(sav, -0.8189));
 
-        let state =
-            |classes: &[Class], extinction| FuelState { moisture: mean(classes, |class| class.moisture), extinction };
+        let state = |classes: &[SizeClass], extinction| FuelState {
+            moisture: mean(classes, |class| class.moisture),
+            extinction,
+        };
         let dead_state = state(&dead, model.dead_extinction);
         let live_state = state(&live, live_extinction(&dead, &live, model.dead_extinction));
         let mineral_damping = (0.174 * ops::pow(EFFECTIVE_MINERALS, -0.19)).min(1.0);

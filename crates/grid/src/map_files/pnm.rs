@@ -26,7 +26,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64, transparency: Transpare
     let PnmHeader { rows, cols, layout, .. } = header;
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
     let mut pixels = Pixels::with_room(layout, possible.min(rows * cols))?;
-    let mut raster = Raster { source, header, bytes: Vec::new(), samples: Vec::new() };
+    let mut raster = PnmPixels { source, header, bytes: Vec::new(), samples: Vec::new() };
     for row in 0..rows {
         raster.read_row(row)?;
         pixels.append(&raster.samples);
@@ -160,14 +160,14 @@ impl PnmHeader {
 }
 
 /// The pixels after the header, of which one row at a time is kept.
-struct Raster<R> {
+struct PnmPixels<R> {
     source: R,
     header: PnmHeader,
     bytes: Vec<u8>,
     samples: Vec<u16>,
 }
 
-impl<R: BufRead> Raster<R> {
+impl<R: BufRead> PnmPixels<R> {
     fn read_row(&mut self, row: usize) -> Result<(), Fault> {
         self.samples.clear();
         match self.header.encoding {

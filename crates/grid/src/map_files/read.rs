@@ -65,16 +65,16 @@ pub fn is_plain_text(bytes: &[u8]) -> bool {
     }
 }
 
-fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, MapError> {
+fn finish(path: &Path, content: FileContent, reading: Reading) -> Result<MapFile, MapError> {
     match content {
-        Content::Grey(GreyImage { grey, notes, .. }) => Ok(MapFile::from_grey(grey, notes, reading)),
-        Content::Cells(mut occupied, note) => {
+        FileContent::Grey(GreyImage { grey, notes, .. }) => Ok(MapFile::from_grey(grey, notes, reading)),
+        FileContent::Cells(mut occupied, note) => {
             if reading.inverted {
                 occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
             }
             Ok(MapFile { notes: Vec::from_iter(note), reading, ..MapFile::from_cells(occupied) })
         }
-        Content::Ros(text) => {
+        FileContent::Ros(text) => {
             let map = RosMap::parse(&text).map_err(|fault| MapError { path: path.to_owned(), fault })?;
             read_ros_map(&map, &folder_of(path), reading)
         }
@@ -85,9 +85,9 @@ fn finish(path: &Path, content: Content, reading: Reading) -> Result<MapFile, Ma
 fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile, MapError> {
     let path = folder.join(&map.image);
     let found = match read_content(&path, map.transparency())? {
-        Content::Grey(image) => Ok(image),
-        Content::Cells(..) => Err("a map of cells"),
-        Content::Ros(_) => Err("another YAML file"),
+        FileContent::Grey(image) => Ok(image),
+        FileContent::Cells(..) => Err("a map of cells"),
+        FileContent::Ros(_) => Err("another YAML file"),
     };
     let image = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
     let (occupied, unknown) = map.occupied(&image, reading.inverted);
@@ -108,14 +108,14 @@ fn folder_of(path: &Path) -> PathBuf {
 }
 
 /// The content of a file, before it is decided which cells are occupied.
-enum Content {
+enum FileContent {
     Grey(GreyImage),
     Cells(Grid<bool>, Option<String>),
     /// The text of a YAML file.
     Ros(String),
 }
 
-fn read_content(path: &Path, transparency: Transparency) -> Result<Content, MapError> {
+fn read_content(path: &Path, transparency: Transparency) -> Result<FileContent, MapError> {
     let opened = input_file::open(path).map_err(not_opened);
     let read = opened.and_then(|input| match input {
         InputFile::Regular(_, 0) => Err(Fault::Empty),
@@ -130,14 +130,14 @@ fn not_opened(error: std::io::Error) -> Fault {
     if error.kind() == ErrorKind::IsADirectory { Fault::Folder } else { error.into() }
 }
 
-fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, transparency: Transparency) -> Result<Content, Fault> {
+fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, transparency: Transparency) -> Result<FileContent, Fault> {
     if is_utf16(source.fill_buf()?) {
         return read_stream(&mut source as &mut dyn Read, transparency);
     }
     match MapFormat::from_first_bytes(source.fill_buf()?)? {
         MapFormat::Png => match carried::length(source.fill_buf()?) {
             Some(length) => read_carried(source, length, bytes),
-            None => png::read(source, bytes, transparency).map(Content::Grey),
+            None => png::read(source, bytes, transparency).map(FileContent::Grey),
         },
         MapFormat::Whole(format) => read_whole(format, source, transparency),
         MapFormat::Sequential(format) => read_sequential(format, source, bytes, transparency),
@@ -145,7 +145,7 @@ fn read_file<R: BufRead + Seek>(mut source: R, bytes: u64, transparency: Transpa
 }
 
 /// Reads the map that a picture of this program carries, which follows the header in `length` bytes.
-fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<Content, Fault> {
+fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<FileContent, Fault> {
     let end = carried::HEADER_BYTES + length;
     if end as u64 > bytes {
         return Err(Fault::Image { message: "the file ends within its embedded map".to_owned() });
@@ -153,12 +153,12 @@ fn read_carried(mut source: impl Read, length: usize, bytes: u64) -> Result<Cont
     let mut start = with_room(end)?;
     source.by_ref().take(end as u64).read_to_end(&mut start)?;
     let occupied = carried::read(&start[carried::HEADER_BYTES..])?;
-    Ok(Content::Cells(occupied, Some("the picture embeds its map, which is read".to_owned())))
+    Ok(FileContent::Cells(occupied, Some("the picture embeds its map, which is read".to_owned())))
 }
 
 /// Reads an input that has no way back, a pipe, a device or stdin: its first bytes are kept, as they show the format,
 /// and those of most images are all kept.
-fn read_stream(stream: impl Read, transparency: Transparency) -> Result<Content, Fault> {
+fn read_stream(stream: impl Read, transparency: Transparency) -> Result<FileContent, Fault> {
     let mut stream = TextReader::new(stream);
     let mut start = Vec::new();
     stream.by_ref().take(BUFFER_BYTES as u64).read_to_end(&mut start)?;
@@ -181,7 +181,7 @@ fn read_stream(stream: impl Read, transparency: Transparency) -> Result<Content,
 }
 
 /// Keeps all bytes of an input, of which there may be no more than such a file has, and reads them.
-fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency) -> Result<Content, Fault> {
+fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency) -> Result<FileContent, Fault> {
     let max = match format {
         WholeFormat::Picture(_) | WholeFormat::Tiff => pictures::MAX_FILE,
         WholeFormat::Ros => ros::MAX_FILE,
@@ -192,9 +192,9 @@ fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency
         return Err(Fault::GoesBeyond { max });
     }
     match format {
-        WholeFormat::Picture(format) => format.read(&bytes, transparency).map(Content::Grey),
-        WholeFormat::Tiff => tiff_image::read(&bytes, transparency).map(Content::Grey),
-        WholeFormat::Ros => Ok(Content::Ros(input_file::text(bytes)?)),
+        WholeFormat::Picture(format) => format.read(&bytes, transparency).map(FileContent::Grey),
+        WholeFormat::Tiff => tiff_image::read(&bytes, transparency).map(FileContent::Grey),
+        WholeFormat::Ros => Ok(FileContent::Ros(input_file::text(bytes)?)),
     }
 }
 
@@ -204,18 +204,18 @@ fn read_sequential(
     source: impl BufRead,
     bytes: u64,
     transparency: Transparency,
-) -> Result<Content, Fault> {
+) -> Result<FileContent, Fault> {
     match format {
-        SequentialFormat::Pnm => pnm::read(source, bytes, transparency).map(Content::Grey),
+        SequentialFormat::Pnm => pnm::read(source, bytes, transparency).map(FileContent::Grey),
         SequentialFormat::MovingAi => {
-            moving_ai::read(source, bytes).map(|(occupied, note)| Content::Cells(occupied, note))
+            moving_ai::read(source, bytes).map(|(occupied, note)| FileContent::Cells(occupied, note))
         }
-        SequentialFormat::Npy => npy::read(source, bytes).map(|occupied| Content::Cells(occupied, None)),
+        SequentialFormat::Npy => npy::read(source, bytes).map(|occupied| FileContent::Cells(occupied, None)),
         SequentialFormat::Table(separator) => {
-            text::read_table(source, bytes, separator).map(|occupied| Content::Cells(occupied, None))
+            text::read_table(source, bytes, separator).map(|occupied| FileContent::Cells(occupied, None))
         }
         SequentialFormat::Text(comments) => {
-            text::read_text(source, bytes, comments).map(|occupied| Content::Cells(occupied, None))
+            text::read_text(source, bytes, comments).map(|occupied| FileContent::Cells(occupied, None))
         }
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct RosMap {
     negate: bool,
     occupied_thresh: f64,
     free_thresh: f64,
-    mode: Mode,
+    mode: RosMode,
 }
 
 /// The position of a map's cells in the world.
@@ -41,14 +41,14 @@ pub struct MapPlace {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Mode {
+enum RosMode {
     Trinary,
     Scale,
     Raw,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum CellState {
+enum Occupancy {
     Free,
     Occupied,
     Unknown,
@@ -79,11 +79,11 @@ fn key_of(part: &[u8]) -> Option<&'static str> {
 impl RosMap {
     /// Reads a YAML file, in which all keys but `mode` are required; unknown keys are ignored.
     pub fn parse(text: &str) -> Result<Self, Fault> {
-        let entries = Entries::parse(text)?;
+        let entries = YamlMembers::parse(text)?;
         let mode = match entries.find("mode").map(|entry| entry.word(MODES)).transpose()? {
-            None | Some("trinary") => Mode::Trinary,
-            Some("scale") => Mode::Scale,
-            Some("raw") => Mode::Raw,
+            None | Some("trinary") => RosMode::Trinary,
+            Some("scale") => RosMode::Scale,
+            Some("raw") => RosMode::Raw,
             Some(_) => return Err(entries.required("mode")?.unlike(MODES)),
         };
         let negate = entries.required("negate")?;
@@ -109,7 +109,7 @@ impl RosMap {
 
     /// Returns the meaning of transparent pixels.
     pub fn transparency(&self) -> Transparency {
-        if self.mode == Mode::Raw { Transparency::Ignored } else { Transparency::Unknown }
+        if self.mode == RosMode::Raw { Transparency::Ignored } else { Transparency::Unknown }
     }
 
     /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
@@ -117,29 +117,29 @@ impl RosMap {
     /// Returns how many of them are not occupied for certain: unknown, or between the two thresholds.
     pub fn occupied(&self, image: &GreyImage, inverted: bool) -> (Grid<bool>, usize) {
         let GreyImage { grey, is_unknown, .. } = image;
-        let states: Vec<CellState> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
+        let states: Vec<Occupancy> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
         let is_unknown = |cell: usize| is_unknown.as_ref().is_some_and(|pixels| pixels.values()[cell]);
         let cells = grey.values().iter().enumerate();
         let cells =
-            cells.map(|(cell, &value)| if is_unknown(cell) { CellState::Unknown } else { states[usize::from(value)] });
-        let unknown = cells.clone().filter(|&state| state == CellState::Unknown).count();
-        let occupied = cells.map(|state| state != CellState::Free).collect();
+            cells.map(|(cell, &value)| if is_unknown(cell) { Occupancy::Unknown } else { states[usize::from(value)] });
+        let unknown = cells.clone().filter(|&state| state == Occupancy::Unknown).count();
+        let occupied = cells.map(|state| state != Occupancy::Free).collect();
         (Grid::from_values(grey.rows(), grey.cols(), occupied), unknown)
     }
 
-    fn state(&self, value: u8, inverted: bool) -> CellState {
+    fn state(&self, value: u8, inverted: bool) -> Occupancy {
         let value = if self.negate != inverted { 255 - value } else { value };
         let probability = match self.mode {
-            Mode::Trinary | Mode::Scale => f64::from(255 - value) / 255.0,
-            Mode::Raw if value <= 100 => f64::from(value) / 100.0,
-            Mode::Raw => return CellState::Unknown,
+            RosMode::Trinary | RosMode::Scale => f64::from(255 - value) / 255.0,
+            RosMode::Raw if value <= 100 => f64::from(value) / 100.0,
+            RosMode::Raw => return Occupancy::Unknown,
         };
         if probability > self.occupied_thresh {
-            CellState::Occupied
+            Occupancy::Occupied
         } else if probability < self.free_thresh {
-            CellState::Free
+            Occupancy::Free
         } else {
-            CellState::Unknown
+            Occupancy::Unknown
         }
     }
 }
@@ -148,14 +148,14 @@ const MODES: &str = "`trinary`, `scale` or `raw`";
 const SWITCH: &str = "0 or 1";
 
 /// A value of the YAML file: words of a list, or the one word of a plain value; `None` for what has parts of its own.
-struct Entry {
+struct YamlValue {
     key: String,
     line: usize,
     parts: Option<Vec<String>>,
     is_list: bool,
 }
 
-impl Entry {
+impl YamlValue {
     fn unlike(&self, expected: &str) -> Fault {
         let found = match &self.parts {
             Some(parts) if self.is_list => format!("[{}]", parts.join(", ")),
@@ -190,11 +190,11 @@ fn finite(word: &str) -> Option<f64> {
 }
 
 /// The members of the mapping that a YAML file consists of, in their order.
-struct Entries(Vec<Entry>);
+struct YamlMembers(Vec<YamlValue>);
 
-impl Entries {
+impl YamlMembers {
     fn parse(text: &str) -> Result<Self, Fault> {
-        let mut entries: Vec<Entry> = Vec::new();
+        let mut entries: Vec<YamlValue> = Vec::new();
         let (mut depth, mut is_key) = (0, true);
         for event in Parser::new_from_str(text) {
             let (event, span) =
@@ -215,7 +215,7 @@ impl Entries {
                         let message = format!("`{}` stands twice; expected it once", visible_start(&word));
                         return Err(Fault::Line { line, message });
                     }
-                    entries.push(Entry { key: word.into_owned(), line, parts: Some(Vec::new()), is_list: false });
+                    entries.push(YamlValue { key: word.into_owned(), line, parts: Some(Vec::new()), is_list: false });
                     is_key = false;
                 }
                 Event::MappingStart(..) | Event::SequenceStart(..) | Event::Scalar(..) | Event::Alias(_) => {
@@ -239,11 +239,11 @@ impl Entries {
         Ok(Self(entries))
     }
 
-    fn find(&self, key: &str) -> Option<&Entry> {
+    fn find(&self, key: &str) -> Option<&YamlValue> {
         self.0.iter().find(|entry| entry.key == key)
     }
 
-    fn required(&self, key: &str) -> Result<&Entry, Fault> {
+    fn required(&self, key: &str) -> Result<&YamlValue, Fault> {
         self.find(key).ok_or_else(|| {
             let line = self.0.last().map_or(1, |entry| entry.line);
             Fault::Line { line, message: format!("the file has no `{key}`; the YAML file of a ROS map has one") }

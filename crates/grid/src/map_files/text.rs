@@ -54,7 +54,7 @@ fn is_blank(byte: u8) -> bool {
 pub(super) fn read_text(source: impl BufRead, bytes: u64, comments: Comments) -> Result<Grid<bool>, Fault> {
     let mut letters = None;
     read_rows(&mut TextLines::new(source, comments), bytes, None, |line, cells| {
-        let letters = letters.get_or_insert_with(|| Letters::of_first_line(line));
+        let letters = letters.get_or_insert_with(|| TextLetters::of_first_line(line));
         text_cells(line, *letters, cells)
     })
 }
@@ -67,13 +67,13 @@ pub(super) fn read_table(source: impl BufRead, bytes: u64, separator: Separator)
 
 /// The letters of rows of cells.
 #[derive(Clone, Copy)]
-struct Letters {
+struct TextLetters {
     free: u8,
     occupied: u8,
     expected: &'static str,
 }
 
-impl Letters {
+impl TextLetters {
     fn of_first_line(line: &[u8]) -> Self {
         match line.first() {
             Some(b'.' | b'#') => Self { free: b'.', occupied: b'#', expected: ". (free) or # (occupied)" },
@@ -82,8 +82,8 @@ impl Letters {
     }
 }
 
-fn text_cells(line: &[u8], letters: Letters, cells: &mut Vec<bool>) -> Result<(), BadCell> {
-    let Letters { free, occupied, expected } = letters;
+fn text_cells(line: &[u8], letters: TextLetters, cells: &mut Vec<bool>) -> Result<(), BadCell> {
+    let TextLetters { free, occupied, expected } = letters;
     let is_cell = |byte: u8| (byte == free) | (byte == occupied);
     // No early exit, so that many bytes are looked at in one instruction.
     let all_cells = line.iter().fold(true, |all, &byte| all & is_cell(byte));

@@ -12,13 +12,13 @@ use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder,
 /// A step as (row, column).
 type Direction = (isize, isize);
 
-struct Waiting {
+struct OpenJump {
     priority: f64,
     length: StepLength,
     index: u32,
 }
 
-impl Ranked for Waiting {
+impl Ranked for OpenJump {
     type Tie = u32;
 
     fn priority(&self) -> f64 {
@@ -58,12 +58,12 @@ pub fn jump_point_search(
     lengths[start] = START_LENGTH;
     let mut open = OpenList::default();
     let mut expanded = Vec::new();
-    open.push(Waiting {
+    open.push(OpenJump {
         priority: metric(by_way_of(start, START_LENGTH, goal)),
         length: START_LENGTH,
         index: index_of(occupied, start) as u32,
     });
-    while let Some(Waiting { index, .. }) = open.pop() {
+    while let Some(OpenJump { index, .. }) = open.pop() {
         let here = place_of(occupied, index as usize);
         // An older entry of a cell that was expanded since.
         if closed[here] {
@@ -83,7 +83,7 @@ pub fn jump_point_search(
                 lengths[to] = length;
                 parents[to] = index;
                 let priority = metric(by_way_of(to, length, goal));
-                open.push(Waiting { priority, length, index: index_of(occupied, to) as u32 });
+                open.push(OpenJump { priority, length, index: index_of(occupied, to) as u32 });
             }
         }
     }

@@ -10,20 +10,20 @@ use crate::segment::{GridPoint, is_free_segment};
 use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
 
 #[derive(Clone, Copy)]
-struct Node {
+struct ThetaNode {
     /// Infinite before the cell is reached.
     cost: f64,
     parent: u32,
     closed: bool,
 }
 
-struct Waiting {
+struct OpenCell {
     priority: f64,
     cost: f64,
     index: u32,
 }
 
-impl Ranked for Waiting {
+impl Ranked for OpenCell {
     type Tie = u32;
 
     fn priority(&self) -> f64 {
@@ -58,15 +58,15 @@ pub fn theta_star(
     let distance = |from: Place, to: Place| GridPoint::centre(from).distance(GridPoint::centre(to));
     let first = index_of(occupied, start) as u32;
     let last = index_of(occupied, goal) as u32;
-    let unseen = Node { cost: f64::INFINITY, parent: first, closed: false };
+    let unseen = ThetaNode { cost: f64::INFINITY, parent: first, closed: false };
     let mut nodes = Grid::filled(occupied.rows(), occupied.cols(), unseen);
     let mut open = OpenList::default();
     let mut expanded = Vec::new();
     let mut touched = 1;
     let mut is_found = false;
     nodes[start].cost = 0.0;
-    open.push(Waiting { priority: distance(start, goal), cost: 0.0, index: first });
-    while let Some(Waiting { index, .. }) = open.pop() {
+    open.push(OpenCell { priority: distance(start, goal), cost: 0.0, index: first });
+    while let Some(OpenCell { index, .. }) = open.pop() {
         let here = place_of(occupied, index as usize);
         // An older entry of a cell that was expanded since.
         if nodes[here].closed {
@@ -89,9 +89,9 @@ pub fn theta_star(
             let cost = nodes[by].cost + distance(by, to);
             if cost < nodes[to].cost {
                 touched += usize::from(nodes[to].cost.is_infinite());
-                nodes[to] = Node { cost, parent: index_of(occupied, by) as u32, closed: false };
+                nodes[to] = ThetaNode { cost, parent: index_of(occupied, by) as u32, closed: false };
                 let index = index_of(occupied, to) as u32;
-                open.push(Waiting { priority: cost + distance(to, goal), cost, index });
+                open.push(OpenCell { priority: cost + distance(to, goal), cost, index });
             }
         }
     }
@@ -102,7 +102,7 @@ pub fn theta_star(
     Ok(PathSearch { costs, route, cost, expanded, touched, swept: None })
 }
 
-fn turns(nodes: &Grid<Node>, occupied: &Grid<bool>, start: Place, goal: Place) -> Vec<Place> {
+fn turns(nodes: &Grid<ThetaNode>, occupied: &Grid<bool>, start: Place, goal: Place) -> Vec<Place> {
     let mut cells = vec![goal];
     let mut here = goal;
     while here != start {

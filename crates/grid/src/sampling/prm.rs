@@ -100,12 +100,12 @@ fn join(occupied: &Grid<bool>, points: &[GridPoint], settings: &PrmSettings) -> 
     pairs
 }
 
-struct Waiting {
+struct OpenSample {
     cost: f64,
     number: u32,
 }
 
-impl Ranked for Waiting {
+impl Ranked for OpenSample {
     type Tie = u32;
 
     fn priority(&self) -> f64 {
@@ -132,8 +132,8 @@ fn shortest_ways(points: &[GridPoint], edges: &[[u32; 2]]) -> (Vec<f64>, Vec<u32
     let mut parents = vec![0; points.len()];
     costs[0] = 0.0;
     let mut open = OpenList::default();
-    open.push(Waiting { cost: 0.0, number: 0 });
-    while let Some(Waiting { cost, number }) = open.pop() {
+    open.push(OpenSample { cost: 0.0, number: 0 });
+    while let Some(OpenSample { cost, number }) = open.pop() {
         let here = number as usize;
         // A shorter way to this point was found since the entry was made.
         if cost > costs[here] {
@@ -144,7 +144,7 @@ fn shortest_ways(points: &[GridPoint], edges: &[[u32; 2]]) -> (Vec<f64>, Vec<u32
             if by_here < costs[to as usize] {
                 costs[to as usize] = by_here;
                 parents[to as usize] = number;
-                open.push(Waiting { cost: by_here, number: to });
+                open.push(OpenSample { cost: by_here, number: to });
             }
         }
     }

@@ -78,7 +78,7 @@ pub fn grow_tree(
     let mut index = PointIndex::new(occupied, settings.samples as usize);
     index.add(0, start);
     let mut tree =
-        Tree { occupied, points: vec![start], parents: vec![0], costs: vec![0.0], children: vec![Vec::new()] };
+        SearchTree { occupied, points: vec![start], parents: vec![0], costs: vec![0.0], children: vec![Vec::new()] };
     // Points from which the goal is one step.
     let mut gates: Vec<u32> = tree.is_step(start, goal, settings.step).then_some(0).into_iter().collect();
     let mut samples = 0;
@@ -121,7 +121,7 @@ fn steered(from: GridPoint, aim: GridPoint, step: f64) -> GridPoint {
     GridPoint::from_units(along(from.0, aim.0), along(from.1, aim.1))
 }
 
-struct Tree<'a> {
+struct SearchTree<'a> {
     occupied: &'a Grid<bool>,
     points: Vec<GridPoint>,
     /// The start is its own.
@@ -130,7 +130,7 @@ struct Tree<'a> {
     children: Vec<Vec<u32>>,
 }
 
-impl Tree<'_> {
+impl SearchTree<'_> {
     fn is_step(&self, from: GridPoint, to: GridPoint, step: f64) -> bool {
         from.distance(to) <= step && is_free_segment(self.occupied, from, to, CORNERS)
     }

@@ -10,7 +10,7 @@ pub const SIDE: usize = 16;
 /// Even and odd rows lie apart, 16 bits a row, column 0 lowest: the rows north and south of all odd ones are the even
 /// ones. All work is done on pairs of words, which the compiler turns into vector instructions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellSet {
+pub struct TileSet {
     even: WordPair,
     odd: WordPair,
 }
@@ -35,7 +35,7 @@ impl TileCell {
     }
 }
 
-impl CellSet {
+impl TileSet {
     pub const NONE: Self = Self { even: [0; 2], odd: [0; 2] };
 
     #[inline]
@@ -129,7 +129,7 @@ fn either(some: WordPair, others: WordPair) -> WordPair {
     [some[0] | others[0], some[1] | others[1]]
 }
 
-impl BitOr for CellSet {
+impl BitOr for TileSet {
     type Output = Self;
     #[inline]
     fn bitor(self, other: Self) -> Self {
@@ -137,14 +137,14 @@ impl BitOr for CellSet {
     }
 }
 
-impl BitOrAssign for CellSet {
+impl BitOrAssign for TileSet {
     #[inline]
     fn bitor_assign(&mut self, other: Self) {
         *self = *self | other;
     }
 }
 
-impl BitAnd for CellSet {
+impl BitAnd for TileSet {
     type Output = Self;
     #[inline]
     fn bitand(self, other: Self) -> Self {
@@ -152,7 +152,7 @@ impl BitAnd for CellSet {
     }
 }
 
-impl Not for CellSet {
+impl Not for TileSet {
     type Output = Self;
     #[inline]
     fn not(self) -> Self {
@@ -160,7 +160,7 @@ impl Not for CellSet {
     }
 }
 
-impl BitXor for CellSet {
+impl BitXor for TileSet {
     type Output = Self;
     #[inline]
     fn bitxor(self, other: Self) -> Self {
@@ -172,8 +172,8 @@ impl BitXor for CellSet {
 mod tests {
     use super::*;
 
-    fn set(cells: impl IntoIterator<Item = (usize, usize)>) -> CellSet {
-        let mut set = CellSet::NONE;
+    fn set(cells: impl IntoIterator<Item = (usize, usize)>) -> TileSet {
+        let mut set = TileSet::NONE;
         for (row, col) in cells {
             set.add(TileCell::at(row, col));
         }

@@ -1,14 +1,14 @@
 //! The codes of a tile's cells after a flood, one byte a cell.
 
 use crate::wavefront::GOAL;
-use crate::wavefront::cells::{CellSet, SIDE};
+use crate::wavefront::cells::{SIDE, TileSet};
 use crate::wavefront::flood::{EAST, NORTH, SOUTH, Sides, WEST, Window};
 use crate::wavefront::moves::far_if;
 
 /// A byte per cell: `REACHED` plus levels after the first of a window, the value of an obstacle, or that of a cell not
 /// reached.
 ///
-/// Word `i`, byte `j` is, for each of the four words of [`CellSet`], the cell of bit `8 * j + i`.
+/// Word `i`, byte `j` is, for each of the four words of [`TileSet`], the cell of bit `8 * j + i`.
 #[derive(Clone, Copy)]
 pub struct Codes([[u64; 4]; 8]);
 
@@ -19,12 +19,12 @@ const REACHED: u8 = 0x80;
 
 impl Codes {
     /// Encodes the cells that a window reached.
-    pub fn new(window: &Window, free: CellSet) -> Self {
-        let mut planes = [CellSet::NONE; 8];
+    pub fn new(window: &Window, free: TileSet) -> Self {
+        let mut planes = [TileSet::NONE; 8];
         planes[..window.planes.len()].copy_from_slice(&window.planes);
         planes[0] |= !free;
         planes[7] = window.reached;
-        let mut words = planes.map(CellSet::words);
+        let mut words = planes.map(TileSet::words);
         transpose_bits(&mut words);
         Self(words)
     }

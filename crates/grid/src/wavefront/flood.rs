@@ -1,6 +1,6 @@
 //! The wave inside one tile, level by level, from the arrivals at its sides.
 
-use crate::wavefront::cells::{CellSet, SIDE, TileCell};
+use crate::wavefront::cells::{SIDE, TileCell, TileSet};
 use crate::wavefront::moves::{FAR, Moves, far_if};
 
 /// North, south, west, east; `side ^ 1` is the opposite one.
@@ -21,31 +21,31 @@ const PLANES: usize = 6;
 
 /// A wave that has not yet run through (the rest of) a tile.
 pub struct TileFlood<'a> {
-    free: CellSet,
+    free: TileSet,
     /// Free cells that the wave has not reached.
-    open: CellSet,
+    open: TileSet,
     arrivals: &'a Sides,
     /// The first level that has not run, and the cells known to be reached there.
     level: i32,
-    pending: CellSet,
+    pending: TileSet,
 }
 
 /// The cells reached in `SPAN` levels from `first` on.
 pub struct Window {
     pub first: i32,
-    pub reached: CellSet,
+    pub reached: TileSet,
     /// Bit `k` of the number of levels after the first, for all cells.
-    pub planes: [CellSet; PLANES],
+    pub planes: [TileSet; PLANES],
 }
 
 impl Window {
     /// An empty window.
-    pub const NONE: Self = Self { first: 0, reached: CellSet::NONE, planes: [CellSet::NONE; PLANES] };
+    pub const NONE: Self = Self { first: 0, reached: TileSet::NONE, planes: [TileSet::NONE; PLANES] };
 }
 
 impl<'a> TileFlood<'a> {
     /// Creates a wave from the cells `source` at `level` and from `arrivals` at their levels, unless they are earlier.
-    pub fn new(free: CellSet, source: CellSet, level: i32, arrivals: &'a Sides) -> Self {
+    pub fn new(free: TileSet, source: TileSet, level: i32, arrivals: &'a Sides) -> Self {
         Self { free, open: free, arrivals, level, pending: source }
     }
 
@@ -56,12 +56,12 @@ impl<'a> TileFlood<'a> {
             return None;
         }
         let first = if self.pending.is_empty() { earliest(self.arrivals, self.level)? } else { self.level };
-        let mut seeds = [CellSet::NONE; SPAN + 1];
+        let mut seeds = [TileSet::NONE; SPAN + 1];
         let last = self.sow(first, &mut seeds);
         seeds[1] |= self.pending;
         let mut open = self.open;
-        let mut front = CellSet::NONE;
-        let mut planes = [CellSet::NONE; PLANES];
+        let mut front = TileSet::NONE;
+        let mut planes = [TileSet::NONE; PLANES];
         // Four levels at a time, so that the two lowest planes need no questions.
         for (block, fronts) in seeds[1..].as_chunks_mut::<4>().0.iter_mut().enumerate() {
             for seeds in fronts.iter_mut() {
@@ -92,7 +92,7 @@ impl<'a> TileFlood<'a> {
     /// Puts border cells at places 1 to `SPAN` by the level, from `first` on, at which arrivals come there, and tells
     /// the last such place.
     #[inline(always)]
-    fn sow(&self, first: i32, seeds: &mut [CellSet; SPAN + 1]) -> usize {
+    fn sow(&self, first: i32, seeds: &mut [TileSet; SPAN + 1]) -> usize {
         // Arrivals at other levels go to place 0, so that nothing branches.
         let mut places = [[0; SIDE]; 4];
         for (place, &arrival) in places.as_flattened_mut().iter_mut().zip(self.arrivals.as_flattened()) {
@@ -128,7 +128,7 @@ const BORDER: [[TileCell; SIDE]; 4] = {
 };
 
 /// Returns the cells along a side.
-pub fn along(cells: CellSet, side: usize) -> u16 {
+pub fn along(cells: TileSet, side: usize) -> u16 {
     match side {
         NORTH => cells.row(0),
         SOUTH => cells.row(SIDE - 1),

@@ -2,7 +2,7 @@
 //!
 //! Beside a side, cells are known by their steps to the goal: [`WALL`] if occupied, [`FAR`] if none are known yet.
 
-use crate::wavefront::cells::{CellSet, SIDE};
+use crate::wavefront::cells::{SIDE, TileSet};
 
 /// The steps at an occupied cell. It is below all others, so nothing seems to improve it.
 pub const WALL: i32 = -1;
@@ -21,7 +21,7 @@ pub type SideSteps = [i32; SIDE];
 
 pub trait Moves {
     /// The cells one step away from `front`, some of them perhaps not free.
-    fn grow(front: CellSet, free: CellSet) -> CellSet;
+    fn grow(front: TileSet, free: TileSet) -> TileSet;
 
     /// The steps with which paths over the cells of `from` arrive on those of `to`, the line beside it.
     fn arrivals(from: &SideSteps, to: &SideSteps) -> SideSteps;
@@ -41,7 +41,7 @@ pub struct OpenDiagonal;
 
 impl Moves for Straight {
     #[inline(always)]
-    fn grow(front: CellSet, free: CellSet) -> CellSet {
+    fn grow(front: TileSet, free: TileSet) -> TileSet {
         // A front is free anyway. Without this the compiler moves every word of it out of the vector registers.
         let front = front & free;
         front.north() | front.south() | front.west() | front.east()
@@ -59,7 +59,7 @@ impl Moves for Straight {
 
 impl Moves for AnyDiagonal {
     #[inline(always)]
-    fn grow(front: CellSet, _free: CellSet) -> CellSet {
+    fn grow(front: TileSet, _free: TileSet) -> TileSet {
         let row = front | front.west() | front.east();
         row | row.north() | row.south()
     }
@@ -77,7 +77,7 @@ impl Moves for AnyDiagonal {
 
 impl Moves for OpenDiagonal {
     #[inline(always)]
-    fn grow(front: CellSet, free: CellSet) -> CellSet {
+    fn grow(front: TileSet, free: TileSet) -> TileSet {
         let [north, south] = [front.north() & free, front.south() & free];
         let [west, east] = [front.west() & free, front.east() & free];
         let over_west = (north.west() & west.north()) | (south.west() & west.south());

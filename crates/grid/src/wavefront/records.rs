@@ -2,7 +2,7 @@
 
 use std::array;
 
-use crate::wavefront::cells::{CellSet, SIDE};
+use crate::wavefront::cells::{SIDE, TileSet};
 use crate::wavefront::codes::Codes;
 use crate::wavefront::flood::{Sides, reduce};
 use crate::wavefront::moves::{FAR, SideSteps, far_if};
@@ -91,8 +91,8 @@ impl TileRecord<&[u32; LENGTH]> {
         steps
     }
 
-    pub fn free(&self) -> CellSet {
-        CellSet::from_words(array::from_fn(|i| word(self.0, FREE + 2 * i)))
+    pub fn free(&self) -> TileSet {
+        TileSet::from_words(array::from_fn(|i| word(self.0, FREE + 2 * i)))
     }
 }
 
@@ -113,7 +113,7 @@ impl TileRecord<&mut [u32; LENGTH]> {
         }
     }
 
-    pub fn set_free(&mut self, free: CellSet) {
+    pub fn set_free(&mut self, free: TileSet) {
         set_words(&mut self.0[FREE..], &free.words());
     }
 

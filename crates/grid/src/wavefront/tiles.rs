@@ -1,7 +1,7 @@
 //! A map cut into tiles, which exchange the steps at their sides.
 
 use crate::wavefront::UNREACHED;
-use crate::wavefront::cells::{CellSet, SIDE, TileCell};
+use crate::wavefront::cells::{SIDE, TileCell, TileSet};
 use crate::wavefront::codes::{CodeRows, Codes, values};
 use crate::wavefront::flood::{EAST, NORTH, SOUTH, SPAN, Sides, TileFlood, WEST, Window, along};
 use crate::wavefront::moves::{FAR, Moves, WALL};
@@ -165,8 +165,8 @@ impl<'a> Tiles<'a> {
     }
 
     /// The source, if it lies in a tile whose flood begins at `level`.
-    fn source_in(&self, tile: Place, level: i32) -> CellSet {
-        let mut cells = CellSet::NONE;
+    fn source_in(&self, tile: Place, level: i32) -> TileSet {
+        let mut cells = TileSet::NONE;
         if level == 0 && tile == self.source_tile() {
             cells.add(TileCell::at(self.source.0 % SIDE, self.source.1 % SIDE));
         }
@@ -175,8 +175,8 @@ impl<'a> Tiles<'a> {
 }
 
 /// The free cells of a row of tiles.
-fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<CellSet> {
-    let mut tiles = vec![CellSet::NONE; occupied.cols().div_ceil(SIDE)];
+fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<TileSet> {
+    let mut tiles = vec![TileSet::NONE; occupied.cols().div_ceil(SIDE)];
     for row in tile_row * SIDE..occupied.rows().min((tile_row + 1) * SIDE) {
         let (whole, rest) = occupied.row(row).as_chunks::<SIDE>();
         for (tile, cells) in tiles.iter_mut().zip(whole) {

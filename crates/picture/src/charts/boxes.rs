@@ -101,16 +101,16 @@ impl BoxChart {
         sheets.iter().enumerate().map(sheet).collect()
     }
 
-    fn places(&self) -> Places {
+    fn places(&self) -> ScalePlaces {
         let values = self.panels.iter().flat_map(|panel| &panel.boxes).flat_map(|series| &series.values);
         let min = values.copied().filter(|value| *value > 0.0).fold(f64::INFINITY, f64::min);
-        if self.is_logarithmic { Places::Logarithmic { min: min.min(f64::MAX) } } else { Places::Linear }
+        if self.is_logarithmic { ScalePlaces::Logarithmic { min: min.min(f64::MAX) } } else { ScalePlaces::Linear }
     }
 }
 
 /// Where values are on a scale.
 #[derive(Clone, Copy, Debug)]
-enum Places {
+enum ScalePlaces {
     Linear,
     /// By decimal logarithms; those of smaller values are that of the least.
     Logarithmic {
@@ -118,7 +118,7 @@ enum Places {
     },
 }
 
-impl Places {
+impl ScalePlaces {
     fn of(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
@@ -131,7 +131,7 @@ impl Places {
 struct Axis {
     plot: Plot,
     scale: AxisScale,
-    places: Places,
+    places: ScalePlaces,
 }
 
 impl Axis {
@@ -143,8 +143,8 @@ impl Axis {
 fn draw_panel(drawing: &mut Drawing, axis: &Axis, panel: &BoxPanel) {
     let plot = &axis.plot;
     match axis.places {
-        Places::Linear => plot.draw_x_axis(drawing, axis.scale),
-        Places::Logarithmic { .. } => plot.draw_log_x_axis(drawing, axis.scale),
+        ScalePlaces::Linear => plot.draw_x_axis(drawing, axis.scale),
+        ScalePlaces::Logarithmic { .. } => plot.draw_log_x_axis(drawing, axis.scale),
     }
     for (index, series) in panel.boxes.iter().enumerate() {
         let middle = plot.top + (index as f32 + 0.5) * ROW;

@@ -44,7 +44,7 @@ impl ColourCounts {
         let counted = self.counts.iter().enumerate().filter(|&(_, &count)| count > 0);
         let colours = counted.map(|(number, &count)| Weighted { colour: colour(number), weight: weight(count) });
         let groups = split(colours.collect());
-        Palette::new(groups.iter().map(Group::representative).collect())
+        Palette::new(groups.iter().map(ColourGroup::representative).collect())
     }
 }
 
@@ -101,13 +101,13 @@ struct Weighted {
 }
 
 /// Colours that share a place.
-struct Group {
+struct ColourGroup {
     members: Vec<Weighted>,
     /// The channel in which they differ most, and by how much: the weighted sum of squared differences from the mean.
     widest: (usize, f64),
 }
 
-impl Group {
+impl ColourGroup {
     fn new(members: Vec<Weighted>) -> Self {
         let spreads = [0, 1, 2].map(|channel| (channel, spread(&members, channel)));
         let widest = spreads.into_iter().reduce(|max, other| if other.1 > max.1 { other } else { max });
@@ -135,8 +135,8 @@ impl Group {
 ///
 /// The group whose colours differ most is parted, again and again, so that each cut takes off as much of the error as
 /// one cut can. (Wan, Wong and Prusinkiewicz, "An Algorithm for Multidimensional Data Clustering", 1988, section 3.)
-fn split(colours: Vec<Weighted>) -> Vec<Group> {
-    let mut groups = if colours.is_empty() { Vec::new() } else { vec![Group::new(colours)] };
+fn split(colours: Vec<Weighted>) -> Vec<ColourGroup> {
+    let mut groups = if colours.is_empty() { Vec::new() } else { vec![ColourGroup::new(colours)] };
     while groups.len() < MAX_COLOURS {
         let widest = (0..groups.len()).max_by(|&one, &other| groups[one].widest.1.total_cmp(&groups[other].widest.1));
         let Some(widest) = widest.filter(|&widest| groups[widest].widest.1 > 0.0) else { break };

@@ -43,9 +43,9 @@ pub struct ChannelId(u16);
 
 /// The content of a record while it is put together.
 #[derive(Debug, Default)]
-struct Content(Vec<u8>);
+struct RecordContent(Vec<u8>);
 
-impl Content {
+impl RecordContent {
     fn u8(mut self, number: u8) -> Self {
         self.0.push(number);
         self
@@ -141,14 +141,14 @@ impl<W: Write> McapWriter<W> {
             span: None,
         };
         writer.put(MAGIC)?;
-        writer.record(kind::HEADER, &Content::default().text("").text(program).0)?;
+        writer.record(kind::HEADER, &RecordContent::default().text("").text(program).0)?;
         Ok(writer)
     }
 
     /// Adds the JSON Schema of messages of this name, and returns its number.
     pub fn schema(&mut self, name: &str, schema: &str) -> io::Result<u16> {
         let id = u16::try_from(self.schemas.len() + 1).map_err(io::Error::other)?;
-        let content = Content::default().u16(id).text(name).text("jsonschema").text(schema).0;
+        let content = RecordContent::default().u16(id).text(name).text("jsonschema").text(schema).0;
         self.record(kind::SCHEMA, &content)?;
         self.schemas.push(content);
         Ok(id)
@@ -157,7 +157,7 @@ impl<W: Write> McapWriter<W> {
     /// Adds a channel of JSON messages of a schema.
     pub fn channel(&mut self, schema: u16, topic: &str) -> io::Result<ChannelId> {
         let id = u16::try_from(self.channels.len()).map_err(io::Error::other)?;
-        let content = Content::default().u16(id).u16(schema).text(topic).text("json").texts(&[]).0;
+        let content = RecordContent::default().u16(id).u16(schema).text(topic).text("json").texts(&[]).0;
         self.record(kind::CHANNEL, &content)?;
         self.channels.push(content);
         Ok(ChannelId(id))
@@ -165,17 +165,17 @@ impl<W: Write> McapWriter<W> {
 
     /// Adds named texts about the file.
     pub fn metadata(&mut self, name: &str, texts: &[(&str, String)]) -> io::Result<()> {
-        let content = Content::default().text(name).texts(texts).0;
+        let content = RecordContent::default().text(name).texts(texts).0;
         let at = self.written;
         let length = RECORD_HEAD + content.len() as u64;
-        self.metadata_indices.push(Content::default().u64(at).u64(length).text(name).0);
+        self.metadata_indices.push(RecordContent::default().u64(at).u64(length).text(name).0);
         self.record(kind::METADATA, &content)
     }
 
     /// Adds a message, which is not earlier than those before it.
     pub fn message(&mut self, channel: ChannelId, time: SimTime, json: &[u8]) -> io::Result<()> {
         let sequence = self.sequences.entry(channel).or_default();
-        let head = Content::default().u16(channel.0).u32(*sequence).time(time).time(time).0;
+        let head = RecordContent::default().u16(channel.0).u32(*sequence).time(time).time(time).0;
         *sequence = sequence.wrapping_add(1);
         *self.counts.entry(channel).or_default() += 1;
         self.span = widened(self.span, time);
@@ -190,7 +190,7 @@ impl<W: Write> McapWriter<W> {
         let Chunk { records, span, messages } = mem::take(&mut self.chunk);
         let Some(span) = span else { return Ok(()) };
         let size = records.len() as u64;
-        let head = Content::default().time(span.first).time(span.last).u64(size).u32(crc32fast::hash(&records));
+        let head = RecordContent::default().time(span.first).time(span.last).u64(size).u32(crc32fast::hash(&records));
         let mut encoder = FrameEncoder::new(Vec::new());
         encoder.write_all(&records)?;
         let packed = encoder.finish().map_err(io::Error::from)?;
@@ -202,13 +202,14 @@ impl<W: Write> McapWriter<W> {
         self.put(&head)?;
         self.put(&packed)?;
         let indices_at = self.written;
-        let mut offsets = Content::default();
+        let mut offsets = RecordContent::default();
         for (channel, messages) in &messages {
             offsets = offsets.u16(channel.0).u64(self.written);
-            let index = messages.iter().fold(Content::default(), |index, &(time, at)| index.time(time).u64(at));
-            self.record(kind::MESSAGE_INDEX, &Content::default().u16(channel.0).bytes(&index.0).0)?;
+            let index = messages.iter().fold(RecordContent::default(), |index, &(time, at)| index.time(time).u64(at));
+            self.record(kind::MESSAGE_INDEX, &RecordContent::default().u16(channel.0).bytes(&index.0).0)?;
         }
-        let index = Content::default().time(span.first).time(span.last).u64(at).u64(indices_at - at).bytes(&offsets.0);
+        let index =
+            RecordContent::default().time(span.first).time(span.last).u64(at).u64(indices_at - at).bytes(&offsets.0);
         let index = index.u64(self.written - indices_at).text(PACKING).u64(packed_size).u64(size);
         self.chunk_indices.push(index.0);
         Ok(())
@@ -218,7 +219,7 @@ impl<W: Write> McapWriter<W> {
     pub fn finish(mut self) -> io::Result<()> {
         self.end_chunk()?;
         let crc_of_data = mem::take(&mut self.crc).finalize();
-        self.record(kind::DATA_END, &Content::default().u32(crc_of_data).0)?;
+        self.record(kind::DATA_END, &RecordContent::default().u32(crc_of_data).0)?;
         self.crc = Hasher::new();
         let summary_at = self.written;
         let statistics = self.statistics();
@@ -233,12 +234,12 @@ impl<W: Write> McapWriter<W> {
         for (kind, records) in groups.iter().filter(|(_, records)| !records.is_empty()) {
             let at = self.written;
             records.iter().try_for_each(|content| self.record(*kind, content))?;
-            offsets.push(Content::default().u8(*kind).u64(at).u64(self.written - at).0);
+            offsets.push(RecordContent::default().u8(*kind).u64(at).u64(self.written - at).0);
         }
         let offsets_at = self.written;
         offsets.iter().try_for_each(|content| self.record(kind::SUMMARY_OFFSET, content))?;
         // The checksum is of all from the summary on to the checksum itself.
-        let footer = Content::default().u8(kind::FOOTER).u64(8 + 8 + 4).u64(summary_at).u64(offsets_at).0;
+        let footer = RecordContent::default().u8(kind::FOOTER).u64(8 + 8 + 4).u64(summary_at).u64(offsets_at).0;
         self.put(&footer)?;
         let crc = mem::take(&mut self.crc).finalize();
         self.put(&crc.to_le_bytes())?;
@@ -249,8 +250,8 @@ impl<W: Write> McapWriter<W> {
     fn statistics(&self) -> Vec<u8> {
         let span = self.span.unwrap_or_default();
         let counts =
-            self.counts.iter().fold(Content::default(), |all, (channel, &count)| all.u16(channel.0).u64(count));
-        Content::default()
+            self.counts.iter().fold(RecordContent::default(), |all, (channel, &count)| all.u16(channel.0).u64(count));
+        RecordContent::default()
             .u64(self.counts.values().sum())
             .u16(self.schemas.len() as u16)
             .u32(self.channels.len() as u32)

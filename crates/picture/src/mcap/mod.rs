@@ -28,7 +28,7 @@ use scene::CellGrid;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::export::{CellChange, ExportError, Sampling, cell_changes, event_text, ground_event_text};
+use wildfire_timeline::export::{ExportError, ExportedChange, Sampling, cell_changes, event_text, ground_event_text};
 use wildfire_timeline::{AgentFact, AgentId, AgentState, Event, Fact, FollowedLeg, GroundEvent, RunIndex, Timeline};
 
 /// The most cells of a field whose states are written.
@@ -57,10 +57,10 @@ pub fn write_mcap(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> R
 }
 
 /// Something to write at a time.
-enum Moment<'a> {
+enum McapMoment<'a> {
     Bodies,
     /// The changes of cells since the last ones.
-    Cells(Vec<CellChange>),
+    Cells(Vec<ExportedChange>),
     Event(&'a Event),
     GroundEvent(&'a GroundEvent),
     /// Of the agent at this place.
@@ -70,20 +70,20 @@ enum Moment<'a> {
 }
 
 /// All that is to be written, in order of time.
-fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, Moment<'a>)> {
+fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, McapMoment<'a>)> {
     let timeline = index.timeline();
     let end = index.end_time();
-    let mut moments = vec![(SimTime::ZERO, Moment::Bodies)];
+    let mut moments = vec![(SimTime::ZERO, McapMoment::Bodies)];
     moments.extend(cell_moments(index));
     let ground = timeline.ground.iter().filter(|event| event.agent().is_some());
-    moments.extend(ground.map(|event| (event.time, Moment::GroundEvent(event))));
-    moments.extend(timeline.events.iter().map(|event| (event.time, Moment::Event(event))));
+    moments.extend(ground.map(|event| (event.time, McapMoment::GroundEvent(event))));
+    moments.extend(timeline.events.iter().map(|event| (event.time, McapMoment::Event(event))));
     for &agent in sampling.agents() {
-        moments.extend(index.legs_of(agent).iter().map(|&leg| (leg.from, Moment::Leg(agent, leg))));
+        moments.extend(index.legs_of(agent).iter().map(|&leg| (leg.from, McapMoment::Leg(agent, leg))));
     }
     let times: Vec<SimTime> = sampling.times().collect();
     let next = times.iter().skip(1).chain([&end]);
-    moments.extend(times.iter().zip(next).map(|(&time, &next)| (time, Moment::Sample(next))));
+    moments.extend(times.iter().zip(next).map(|(&time, &next)| (time, McapMoment::Sample(next))));
     moments.retain(|(time, _)| *time <= end);
     // The sort is stable.
     moments.sort_by_key(|(time, _)| *time);
@@ -91,13 +91,13 @@ fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, Mo
 }
 
 /// When the states of cells are written: at the start, and whenever some change, unless that is too often.
-fn cell_moments<'a>(index: &RunIndex<'_>) -> Vec<(SimTime, Moment<'a>)> {
+fn cell_moments<'a>(index: &RunIndex<'_>) -> Vec<(SimTime, McapMoment<'a>)> {
     let end = index.end_time();
     let changes = cell_changes(index);
     let instants = changes.chunk_by(|one, other| one.time == other.time).count();
     let max = (MAX_BYTES_OF_CELLS / CellGrid::message_bytes(index.timeline().setting.frame).max(1)).max(2);
     let gap = if instants < max { 0 } else { end.as_nanos() / (max as u64 - 1) };
-    let mut moments: Vec<(SimTime, Vec<CellChange>)> = vec![(SimTime::ZERO, Vec::new())];
+    let mut moments: Vec<(SimTime, Vec<ExportedChange>)> = vec![(SimTime::ZERO, Vec::new())];
     for change in changes {
         let (last, pending) = moments.last_mut().expect("there is one");
         if change.time <= *last {
@@ -107,7 +107,7 @@ fn cell_moments<'a>(index: &RunIndex<'_>) -> Vec<(SimTime, Moment<'a>)> {
             moments.push((due, vec![change]));
         }
     }
-    moments.into_iter().map(|(time, changes)| (time, Moment::Cells(changes))).collect()
+    moments.into_iter().map(|(time, changes)| (time, McapMoment::Cells(changes))).collect()
 }
 
 /// The channels of an agent, and what was last written to them.
@@ -175,30 +175,30 @@ impl<'a, W: Write> SceneWriter<'a, W> {
         Ok(Self { index, file, grid: CellGrid::new(setting), cells, counts, bodies, events, agents })
     }
 
-    fn write(&mut self, time: SimTime, moment: &Moment<'_>) -> Result<(), ExportError> {
+    fn write(&mut self, time: SimTime, moment: &McapMoment<'_>) -> Result<(), ExportError> {
         match moment {
-            Moment::Bodies => {
+            McapMoment::Bodies => {
                 let agents = &self.index.timeline().setting.agents;
                 let bodies = scene::bodies(self.agents.keys().map(|&place| &agents[place]));
                 self.message(self.bodies, time, &bodies)
             }
-            Moment::Cells(changes) => self.write_cells(time, changes),
-            Moment::Event(event) => self.write_event(event),
-            Moment::GroundEvent(event) => {
+            McapMoment::Cells(changes) => self.write_cells(time, changes),
+            McapMoment::Event(event) => self.write_event(event),
+            McapMoment::GroundEvent(event) => {
                 let (name, detail) = ground_event_text(event);
                 let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
                 self.log(time, agent, &[name, &event.cell.to_string(), &detail])
             }
-            Moment::Leg(agent, leg) => {
+            McapMoment::Leg(agent, leg) => {
                 let timeline = self.index.timeline();
                 let way = scene::way(time, &timeline.setting.agents[*agent], leg.trajectory(timeline));
                 self.message(self.agents[agent].way, time, &way)
             }
-            Moment::Sample(next) => self.write_sample(time, *next),
+            McapMoment::Sample(next) => self.write_sample(time, *next),
         }
     }
 
-    fn write_cells(&mut self, time: SimTime, changes: &[CellChange]) -> Result<(), ExportError> {
+    fn write_cells(&mut self, time: SimTime, changes: &[ExportedChange]) -> Result<(), ExportError> {
         let setting = &self.index.timeline().setting;
         changes.iter().for_each(|change| self.grid.set(setting.frame.index(change.cell), change.state));
         let bushes = self.index.counts_at(time);

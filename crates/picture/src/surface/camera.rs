@@ -18,7 +18,7 @@ pub const GROUND: f32 = -0.06;
 /// A place in space: along the columns and along the rows, 0 to 1 from edge to edge of the map, and its level, 0 to 1
 /// from the lowest value to the highest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct SpacePoint {
     pub x: f32,
     pub y: f32,
     pub level: f32,
@@ -85,20 +85,20 @@ impl SurfaceCamera {
         (self.origin.0 + right * self.scale, self.origin.1 + down * self.scale)
     }
 
-    pub fn spot(&self, spot: Spot) -> Point {
+    pub fn spot(&self, spot: SpacePoint) -> Point {
         self.at(spot.x, spot.y, spot.level)
     }
 
     /// The spots on the way from a spot to the viewer, until they are above everything or off the map, `step` apart
     /// where the longer side is 1.
-    pub fn towards_viewer(&self, from: Spot, step: f32) -> impl Iterator<Item = Spot> {
+    pub fn towards_viewer(&self, from: SpacePoint, step: f32) -> impl Iterator<Item = SpacePoint> {
         let (sin_turn, cos_turn) = self.turn;
         let rise = step * self.pitch.0 / self.pitch.1 / RELIEF;
         let right = step * sin_turn / self.sides.0;
         let down = step * cos_turn / self.sides.1;
         let spot = move |steps: u16| {
             let steps = f32::from(steps);
-            Spot { x: from.x + steps * right, y: from.y + steps * down, level: from.level + steps * rise }
+            SpacePoint { x: from.x + steps * right, y: from.y + steps * down, level: from.level + steps * rise }
         };
         (1..u16::MAX).map(spot).take_while(|spot| spot.x < 1.0 && spot.y < 1.0 && spot.level < 1.0)
     }
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn spots_towards_the_viewer_fall_on_one_pixel() {
         let (camera, _) = SurfaceCamera::fit((30, 50), (800.0, 600.0));
-        let from = Spot { x: 0.1, y: 0.2, level: 0.0 };
+        let from = SpacePoint { x: 0.1, y: 0.2, level: 0.0 };
         let at = camera.spot(from);
         let mut count = 0;
         for spot in camera.towards_viewer(from, 0.01) {

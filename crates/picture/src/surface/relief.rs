@@ -4,7 +4,7 @@ use crate::marks::to_f32;
 use crate::scene::MapScene;
 use crate::surface::camera::GROUND;
 use crate::values::ValueScale;
-use crate::zoom::{BlockFace, CellBlock, Zoom};
+use crate::zoom::{BlockFace, DrawnBlock, Zoom};
 use wildfire_grid::{Grid, Place};
 
 /// The most tiles along a side; larger maps are drawn with tiles of several cells.
@@ -99,7 +99,7 @@ impl Relief {
 
 impl Tile {
     /// An obstacle where at least half of the cells are, else the mean of the free cells' finite values.
-    fn new(scene: &MapScene, block: &CellBlock, heights: Option<&ValueScale>) -> Self {
+    fn new(scene: &MapScene, block: &DrawnBlock, heights: Option<&ValueScale>) -> Self {
         let (mut cells, mut obstacles) = (0, 0);
         let mut free = Mean::default();
         let mut occupied = Mean::default();

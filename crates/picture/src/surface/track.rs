@@ -4,7 +4,7 @@ use crate::canvas::{Canvas, Point};
 use crate::colours::PATH;
 use crate::marks::{draw_path, scene_marks, to_f32};
 use crate::scene::MapScene;
-use crate::surface::camera::{Spot, SurfaceCamera};
+use crate::surface::camera::{SpacePoint, SurfaceCamera};
 use crate::surface::relief::Relief;
 use crate::values::ValueScale;
 use crate::zoom::BlockFace;
@@ -42,7 +42,7 @@ impl SurfaceTrack<'_> {
     }
 
     /// Returns the centre of a cell, on the surface; at its own value where its tile is drawn as something else.
-    fn cell(&self, place: Place) -> Spot {
+    fn cell(&self, place: Place) -> SpacePoint {
         let (x, y) = self.relief.centre(place);
         let cell_level =
             self.scene.value_at(place).zip(self.heights).map(|(value, heights)| to_f32(heights.fraction(value)));
@@ -50,13 +50,13 @@ impl SurfaceTrack<'_> {
             (BlockFace::Obstacle | BlockFace::WithoutValue, Some(cell_level)) => cell_level,
             _ => self.relief.level_at(x, y),
         };
-        Spot { x, y, level }
+        SpacePoint { x, y, level }
     }
 
     /// Divides the path into small steps, since a part of a step between cells may be hidden; shorter steps are left
     /// out.
-    fn line(&self) -> Vec<(Point, Spot)> {
-        let mut line: Vec<(Point, Spot)> = Vec::new();
+    fn line(&self) -> Vec<(Point, SpacePoint)> {
+        let mut line: Vec<(Point, SpacePoint)> = Vec::new();
         for &place in self.scene.path {
             let spot = self.cell(place);
             let at = self.camera.spot(spot);
@@ -77,19 +77,19 @@ impl SurfaceTrack<'_> {
     }
 
     /// Returns a spot on the way between two cells, on the surface if both are.
-    fn between(&self, from: Spot, to: Spot, share: f32) -> Spot {
+    fn between(&self, from: SpacePoint, to: SpacePoint, share: f32) -> SpacePoint {
         let along = |from: f32, to: f32| from + (to - from) * share;
         let x = along(from.x, to.x);
         let y = along(from.y, to.y);
         let level = along(from.level, to.level);
         match self.relief.face_at(x, y) {
-            BlockFace::Value(_) => Spot { x, y, level: self.relief.level_at(x, y) },
-            BlockFace::Obstacle | BlockFace::WithoutValue => Spot { x, y, level },
+            BlockFace::Value(_) => SpacePoint { x, y, level: self.relief.level_at(x, y) },
+            BlockFace::Obstacle | BlockFace::WithoutValue => SpacePoint { x, y, level },
         }
     }
 
     /// Returns whether the surface rises above the line of sight from a spot to the viewer.
-    fn is_hidden(&self, spot: Spot) -> bool {
+    fn is_hidden(&self, spot: SpacePoint) -> bool {
         // Less than half a tile, so that no tile between spot and viewer is stepped over.
         let step = 0.4 / self.relief.tiles.rows().max(self.relief.tiles.cols()) as f32;
         let mut above = self.camera.towards_viewer(spot, step);

@@ -57,7 +57,7 @@ impl Certificate {
         if curves.length_m(start, goal) >= self.bound_m + SURE_M {
             return Ok(());
         }
-        let bushes = Bushes::new(checker, self.clearance_m);
+        let bushes = GrownBushes::new(checker, self.clearance_m);
         if bushes.radius_m - self.step_m < SAME_M {
             return Err(BadCertificate::OutOfRange("step_m", "less than the body's inner radius and the clearance"));
         }
@@ -108,7 +108,7 @@ impl Certificate {
 
     fn check_cut(
         &self,
-        bushes: &Bushes,
+        bushes: &GrownBushes,
         corners: &[(DVec2, [f64; 2])],
         turning_radius_m: f64,
     ) -> Result<(), BadCertificate> {
@@ -183,14 +183,14 @@ fn bound_in(
 }
 
 /// Bushes as the middle of the rear axle meets them.
-struct Bushes {
+struct GrownBushes {
     centres: Vec<DVec2>,
     half_cell_m: f64,
     radius_m: f64,
     size: DVec2,
 }
 
-impl Bushes {
+impl GrownBushes {
     fn new(checker: &CollisionChecker, clearance_m: f64) -> Self {
         let frame = checker.field().frame();
         let body = checker.body();

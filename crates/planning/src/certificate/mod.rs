@@ -96,7 +96,7 @@ impl Certificate {
         clearance_m: f64,
         reach_m: f64,
     ) -> Option<Self> {
-        let terrain = Terrain::new(checker, clearance_m);
+        let terrain = GrownTerrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
         let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MAX_POSITIONS));
@@ -111,7 +111,7 @@ impl Certificate {
         }
         let ends = [(start, to), (goal, from)].map(|(end, other)| {
             let lengths_m = terrain.taut_lengths_m(&corners, (end.position(), other), reach_m);
-            End { pose: end, corners: &corners, lengths_m }
+            TautEnd { pose: end, corners: &corners, lengths_m }
         });
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
         let bound = |share: f64, step_m: f64| {
@@ -130,7 +130,7 @@ impl Certificate {
 }
 
 /// Bushes grown for the middle of the rear axle.
-struct Terrain {
+struct GrownTerrain {
     centres: Vec<DVec2>,
     half_cell_m: f64,
     /// The distance that the middle of the rear axle keeps from bushes and border.
@@ -138,7 +138,7 @@ struct Terrain {
     size: DVec2,
 }
 
-impl Terrain {
+impl GrownTerrain {
     fn new(checker: &CollisionChecker, clearance_m: f64) -> Self {
         let frame = checker.field().frame();
         let cells = 0..frame.cell_count();
@@ -240,7 +240,7 @@ impl Terrain {
 const SHRUNK_M: f64 = 1e-6;
 
 /// The start or the goal, with the lengths of taut strings to corners.
-struct End<'a> {
+struct TautEnd<'a> {
     pose: Pose,
     corners: &'a [DVec2],
     lengths_m: Vec<f64>,
@@ -248,8 +248,8 @@ struct End<'a> {
 
 /// Poses on a line between the start and the goal.
 struct Cut<'a> {
-    terrain: &'a Terrain,
-    ends: &'a [End<'a>; 2],
+    terrain: &'a GrownTerrain,
+    ends: &'a [TautEnd<'a>; 2],
     curves: ReedsShepp,
     step_m: f64,
 }
@@ -277,7 +277,7 @@ impl Cut<'_> {
         crossings.into_iter().fold(reach_m, |min_m, (lengths, at)| self.min_at(lengths, at, min_m))
     }
 
-    fn taut_length_m(&self, end: &End<'_>, polygon: &[DVec2], at: DVec2, reach_m: f64) -> f64 {
+    fn taut_length_m(&self, end: &TautEnd<'_>, polygon: &[DVec2], at: DVec2, reach_m: f64) -> f64 {
         let last = end.corners.iter().zip(&end.lengths_m).map(|(&corner, &length_m)| (corner, length_m));
         let last = last.chain([(end.pose.position(), 0.0)]);
         let mut through: Vec<_> = last.map(|(corner, length_m)| (length_m + corner.distance(at), corner)).collect();

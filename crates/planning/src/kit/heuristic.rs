@@ -29,7 +29,7 @@ pub struct HeuristicValue {
 /// It is the first heuristic of Dolgov and others (see [`super::best_first`]), non-holonomic without obstacles;
 /// [`super::holonomic`] is the other.
 #[derive(Clone, Debug)]
-pub struct Heuristic {
+pub struct PoseHeuristic {
     body: Dimensions,
     cost: CostModel,
     curves: ReedsShepp,
@@ -37,7 +37,7 @@ pub struct Heuristic {
     steering: TurnStraightSteering,
 }
 
-impl Heuristic {
+impl PoseHeuristic {
     pub fn new(cost: CostModel, body: &Dimensions) -> Self {
         let price = cost.motion_price(body);
         Self {

@@ -62,15 +62,15 @@ pub struct HolonomicHeuristic {
     /// Tiles that have a page.
     met: Vec<u32>,
     /// Cells by their keys, modulo the ring.
-    buckets: Vec<Vec<Place>>,
+    buckets: Vec<Vec<CellOrBorder>>,
     /// Cells of the goal that are in no bucket yet, with their keys, the highest first.
-    goal_cells: Vec<(u32, Place)>,
+    goal_cells: Vec<(u32, CellOrBorder)>,
     /// Costs are final where their keys are no higher.
     settled: u32,
     /// Entries in all buckets.
     waiting: usize,
     /// The cell that the search spreads towards.
-    target: Place,
+    target: CellOrBorder,
     memory: MemoryShare,
     /// True if there was no memory for a tile.
     is_short: bool,
@@ -78,9 +78,9 @@ pub struct HolonomicHeuristic {
 
 /// A cell of the field or one beside its border: row and column, counted from 1, in the upper and the lower half.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Place(u32);
+struct CellOrBorder(u32);
 
-impl Place {
+impl CellOrBorder {
     fn new(row: usize, col: usize) -> Self {
         Self((row as u32 + 1) << 16 | (col as u32 + 1))
     }
@@ -132,7 +132,7 @@ impl HolonomicHeuristic {
             goal_cells: Vec::new(),
             settled: 0,
             waiting: 0,
-            target: Place::new(0, 0),
+            target: CellOrBorder::new(0, 0),
             memory,
             is_short: false,
         }
@@ -153,7 +153,7 @@ impl HolonomicHeuristic {
         self.costs.resize(TILE * TILE, SHUT);
         self.buckets.iter_mut().for_each(Vec::clear);
         self.waiting = 0;
-        self.target = Place::nearest(field.frame(), start);
+        self.target = CellOrBorder::nearest(field.frame(), start);
         self.goal_cells.clear();
         for place in target_cells(field, target) {
             self.goal_cells.push((GOAL_COST + place.walk_cost(self.target), place));
@@ -170,7 +170,7 @@ impl HolonomicHeuristic {
     /// the goal.
     pub fn cost_to_go_m(&mut self, field: &ClearanceField, position: DVec2) -> f64 {
         let Some(cell) = field.frame().cell_at(position) else { return f64::INFINITY };
-        let Some(cost) = self.cost_of(field, Place::new(cell.row.into(), cell.col.into())) else {
+        let Some(cost) = self.cost_of(field, CellOrBorder::new(cell.row.into(), cell.col.into())) else {
             return f64::INFINITY;
         };
         let cell_m = field.frame().cell_m;
@@ -178,7 +178,7 @@ impl HolonomicHeuristic {
     }
 
     /// Returns the cost from a cell to the goal, if a walk leads there; the search goes on until it is final.
-    fn cost_of(&mut self, field: &ClearanceField, place: Place) -> Option<u32> {
+    fn cost_of(&mut self, field: &ClearanceField, place: CellOrBorder) -> Option<u32> {
         let queried = self.slot(field, place);
         let estimate = place.walk_cost(self.target);
         let mut expanded = 0;
@@ -217,7 +217,7 @@ impl HolonomicHeuristic {
     }
 
     /// Offers the cells round one.
-    fn expand(&mut self, field: &ClearanceField, from: Place, cost: u32) {
+    fn expand(&mut self, field: &ClearanceField, from: CellOrBorder, cost: u32) {
         let beside = BESIDE.map(|step| self.offer(field, from.moved(step), cost + MOVE_COSTS.0));
         for k in 0..4 {
             // Nothing passes between two bushes that touch at a corner.
@@ -228,7 +228,7 @@ impl HolonomicHeuristic {
     }
 
     /// Reaches a cell at a cost, unless a lower one is known; says whether it is open.
-    fn offer(&mut self, field: &ClearanceField, place: Place, cost: u32) -> bool {
+    fn offer(&mut self, field: &ClearanceField, place: CellOrBorder, cost: u32) -> bool {
         let slot = self.slot(field, place);
         let before = self.costs[slot];
         if cost < before {
@@ -238,7 +238,7 @@ impl HolonomicHeuristic {
         before != SHUT
     }
 
-    fn wait(&mut self, place: Place, key: u32) {
+    fn wait(&mut self, place: CellOrBorder, key: u32) {
         self.buckets[key as usize % RING].push(place);
         self.waiting += 1;
     }
@@ -252,7 +252,7 @@ impl HolonomicHeuristic {
     }
 
     /// Shuts all cells to which walks lead from an unreached one, if these are few and none of them was reached.
-    fn shut_pocket(&mut self, field: &ClearanceField, place: Place) {
+    fn shut_pocket(&mut self, field: &ClearanceField, place: CellOrBorder) {
         let first = self.slot(field, place);
         self.costs[first] = IN_QUESTION;
         let mut found = vec![place];
@@ -287,7 +287,7 @@ impl HolonomicHeuristic {
 
     /// Returns where the cost of a place is kept.
     #[inline]
-    fn slot(&mut self, field: &ClearanceField, place: Place) -> usize {
+    fn slot(&mut self, field: &ClearanceField, place: CellOrBorder) -> usize {
         let (row, col) = (place.row(), place.col());
         let tile = (row >> TILE_BITS) * self.tile_cols + (col >> TILE_BITS);
         let page = match self.directory[tile] {
@@ -333,11 +333,11 @@ fn tiles_along(frame: &FieldFrame) -> [usize; 2] {
 }
 
 /// Returns the free cells that a target meets, each once.
-fn target_cells(field: &ClearanceField, target: Target<'_>) -> Vec<Place> {
+fn target_cells(field: &ClearanceField, target: Target<'_>) -> Vec<CellOrBorder> {
     match target {
         Target::Pose(end) => goal_cells(field, GoalDisc { centre: end.position(), radius_m: 0.0 }).collect(),
         Target::Discs(discs) => {
-            let mut cells: Vec<Place> = discs.iter().flat_map(|&disc| goal_cells(field, disc)).collect();
+            let mut cells: Vec<CellOrBorder> = discs.iter().flat_map(|&disc| goal_cells(field, disc)).collect();
             cells.sort_unstable();
             cells.dedup();
             cells
@@ -346,7 +346,7 @@ fn target_cells(field: &ClearanceField, target: Target<'_>) -> Vec<Place> {
 }
 
 /// Returns the free cells that a goal touches.
-fn goal_cells(field: &ClearanceField, disc: GoalDisc) -> impl Iterator<Item = Place> + '_ {
+fn goal_cells(field: &ClearanceField, disc: GoalDisc) -> impl Iterator<Item = CellOrBorder> + '_ {
     let GoalDisc { centre, radius_m } = disc;
     let frame = field.frame();
     let range = move |middle: f64, count: u16| {
@@ -360,7 +360,7 @@ fn goal_cells(field: &ClearanceField, disc: GoalDisc) -> impl Iterator<Item = Pl
     };
     let cols = range(centre.x, frame.cols);
     let cells = range(centre.y, frame.rows).flat_map(move |row| cols.clone().map(move |col| (row, col)));
-    cells.filter(move |&(row, col)| is_met(row, col)).map(|(row, col)| Place::new(row, col))
+    cells.filter(move |&(row, col)| is_met(row, col)).map(|(row, col)| CellOrBorder::new(row, col))
 }
 
 #[cfg(test)]
@@ -380,9 +380,9 @@ mod tests {
     /// For every diagonal move the orthogonal ones beside it.
     const BESIDE_DIAGONAL: [(u8, u8); 4] = [(4, 0b0011), (5, 0b0110), (6, 0b1100), (7, 0b1001)];
 
-    fn place(field: &ClearanceField, index: usize) -> Place {
+    fn place(field: &ClearanceField, index: usize) -> CellOrBorder {
         let cell = field.frame().cell(index);
-        Place::new(cell.row.into(), cell.col.into())
+        CellOrBorder::new(cell.row.into(), cell.col.into())
     }
 
     /// The lengths of shortest walks from all cells to the goal, by another search.
@@ -490,7 +490,7 @@ mod tests {
         for _ in 0..20 {
             let disc = field.random_goal();
             let (field, frame) = (field.checker.field(), field.checker.field().frame());
-            let found: Vec<Place> = goal_cells(field, disc).collect();
+            let found: Vec<CellOrBorder> = goal_cells(field, disc).collect();
             let corner = DVec2::splat(0.5 * frame.cell_m);
             let meets = |index: &usize| {
                 let centre = frame.centre(frame.cell(*index));

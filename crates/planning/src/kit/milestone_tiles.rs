@@ -58,7 +58,7 @@ pub trait SampleSink {
 
 /// The tiles of a field, and the numbers of the milestones of opened tiles.
 #[derive(Debug)]
-pub struct Tiles {
+pub struct MilestoneTiles {
     /// The number that the streams of all tiles begin with.
     key: u64,
     frame: FieldFrame,
@@ -71,7 +71,7 @@ pub struct Tiles {
     ranks: Vec<u64>,
 }
 
-impl Tiles {
+impl MilestoneTiles {
     pub fn new(frame: &FieldFrame, key: u64) -> Self {
         let side = (SIDE_M / frame.cell_m).ceil().max(1.0) as usize;
         let [cols, rows] = [frame.cols, frame.rows].map(|cells| usize::from(cells).div_ceil(side));

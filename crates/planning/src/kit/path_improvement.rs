@@ -87,7 +87,7 @@ impl PathImprover {
         rng: &mut impl Rng,
     ) -> Path {
         let Improvement { shortcuts, pulls } = improvement;
-        let mut way = Way::new(path.start, path.segments.iter().copied(), &self.cost);
+        let mut way = ChangingPath::new(path.start, path.segments.iter().copied(), &self.cost);
         // Without pulls paths are those that shortcuts alone have always made.
         let best_m = if pulls > 0 { self.min_cost(&way) + NEAR_BEST_M } else { f64::NEG_INFINITY };
         if shortcuts > 0 && way.cost > best_m {
@@ -103,12 +103,12 @@ impl PathImprover {
     }
 
     /// Returns the cost of the cheapest curve between the ends of a way, free or not.
-    fn min_cost(&self, way: &Way) -> f64 {
+    fn min_cost(&self, way: &ChangingPath) -> f64 {
         self.curves.cheapest_word(way.start(), way.pose_at(way.length_m()), &self.price).price
     }
 
     /// Cuts from every knot straight to the farthest that can be reached more cheaply.
-    fn cut_between_knots(&mut self, way: &mut Way, profile: &ClearanceProfile) {
+    fn cut_between_knots(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile) {
         let mut from_m = 0.0;
         while from_m + KNOT_M < way.length_m() {
             let before_m = way.length_m();
@@ -122,7 +122,7 @@ impl PathImprover {
         }
     }
 
-    fn cut_at_random(&mut self, way: &mut Way, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) {
+    fn cut_at_random(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) {
         let patience = (PATIENCE * f64::from(tries)) as u32;
         let mut failures = 0;
         for kind in (0..tries).map(|number| number % 4) {
@@ -135,7 +135,7 @@ impl PathImprover {
     }
 
     /// Pulls all bends tight, in rounds.
-    fn pull_bends(&mut self, way: &mut Way, profile: &ClearanceProfile, rounds: u32) {
+    fn pull_bends(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile, rounds: u32) {
         let mut move_m = FIRST_MOVE_M;
         for _ in 0..rounds {
             let mut is_cheaper = false;
@@ -154,7 +154,7 @@ impl PathImprover {
     }
 
     /// Moves the middle of a bend, with the way about it, if that makes the way cheaper and is free.
-    fn pull(&mut self, way: &mut Way, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
+    fn pull(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile, bend: usize, move_m: f64) -> bool {
         let middle_m = 0.5 * (way.joints[bend].1 + way.joints[bend + 1].1);
         let from_m = (middle_m - REACH_M).max(0.0);
         let to_m = (middle_m + REACH_M).min(way.length_m());
@@ -170,7 +170,7 @@ impl PathImprover {
             let changed = || before.curve.segments().chain(behind.curve.segments());
             way.splice((from_m, to_m), changed(), &mut self.spliced);
             if self.cost.of(&self.spliced) < limit && profile.way_is_free(&self.checker, from, changed()) {
-                *way = Way::new(way.start(), self.spliced.iter().copied(), &self.cost);
+                *way = ChangingPath::new(way.start(), self.spliced.iter().copied(), &self.cost);
                 return true;
             }
         }
@@ -179,13 +179,13 @@ impl PathImprover {
 
     /// Returns what a way must cost less than between two places for the whole to cost less than the limit: what remains of
     /// that after the rest of the way at the least price.
-    fn bound_between(&self, way: &Way, (from_m, to_m): (f64, f64), limit: f64) -> f64 {
+    fn bound_between(&self, way: &ChangingPath, (from_m, to_m): (f64, f64), limit: f64) -> f64 {
         let min = self.cost.min_per_metre();
         limit - min * from_m - min * (way.length_m() - to_m)
     }
 
     /// Replaces what lies between two places of a way by a curve, if that makes the way cheaper and is free.
-    fn cut(&mut self, way: &mut Way, profile: &ClearanceProfile, from_m: f64, to_m: f64) -> bool {
+    fn cut(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile, from_m: f64, to_m: f64) -> bool {
         if from_m >= to_m {
             return false;
         }
@@ -202,7 +202,7 @@ impl PathImprover {
         way.splice((from_m, to_m), best.curve.segments(), &mut self.spliced);
         let is_better = self.cost.of(&self.spliced) < limit;
         if is_better {
-            *way = Way::new(way.start(), self.spliced.iter().copied(), &self.cost);
+            *way = ChangingPath::new(way.start(), self.spliced.iter().copied(), &self.cost);
         }
         is_better
     }
@@ -218,7 +218,7 @@ fn moved(middle: Pose, move_m: f64) -> [Pose; 4] {
 
 /// Returns two places of a way, the first before the second: a kind has one at the start, at the end, both near joints, or both
 /// anywhere.
-fn random_places(way: &Way, kind: u32, rng: &mut impl Rng) -> (f64, f64) {
+fn random_places(way: &ChangingPath, kind: u32, rng: &mut impl Rng) -> (f64, f64) {
     let length_m = way.length_m();
     let mut anywhere = || length_m * rng.random::<f64>();
     let (one, other) = match kind {
@@ -230,7 +230,7 @@ fn random_places(way: &Way, kind: u32, rng: &mut impl Rng) -> (f64, f64) {
     (one.min(other), one.max(other))
 }
 
-fn near_joints(way: &Way, rng: &mut impl Rng) -> (f64, f64) {
+fn near_joints(way: &ChangingPath, rng: &mut impl Rng) -> (f64, f64) {
     let mut joint_m = || way.joints_m().nth(rng.random_range(0..way.joints_m().len())).expect("in range");
     let (one, other) = (joint_m(), joint_m());
     let shift = if rng.random_bool(0.5) { JITTER_M * (2.0 * rng.random::<f64>() - 1.0) } else { 0.0 };
@@ -239,14 +239,14 @@ fn near_joints(way: &Way, rng: &mut impl Rng) -> (f64, f64) {
 
 /// A path that is being changed, with the places of its joints.
 #[derive(Clone, Debug)]
-struct Way {
+struct ChangingPath {
     segments: Vec<Segment>,
     /// Pose and metres driven at the start of every segment, and at the end.
     joints: Vec<(Pose, f64)>,
     cost: f64,
 }
 
-impl Way {
+impl ChangingPath {
     /// Segments of no length are left out, and those that continue one another become one.
     fn new(start: Pose, way: impl IntoIterator<Item = Segment>, cost: &CostModel) -> Self {
         let mut segments = Vec::new();

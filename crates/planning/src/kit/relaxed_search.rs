@@ -21,7 +21,7 @@ use super::clearance_profile::ClearanceProfile;
 use super::drive_cost::CostModel;
 use super::ends::{explain_failure, free_ends, free_poses_in};
 use super::floods::{FloodQuery, FloodSearch, LATTICES};
-use super::heuristic::Heuristic;
+use super::heuristic::PoseHeuristic;
 use super::holonomic::HolonomicHeuristic;
 use super::lattice::Lattice;
 use super::path_improvement::{Improvement, PathImprover};
@@ -108,7 +108,7 @@ pub struct RelaxedSearch {
     checker: CollisionChecker,
     settings: RelaxedSettings,
     memory: MemoryMeter,
-    heuristic: Heuristic,
+    heuristic: PoseHeuristic,
     /// From the start and from the goal.
     coarse: [LatticeSearch; 2],
     fine: Option<[LatticeSearch; 2]>,
@@ -125,7 +125,7 @@ pub struct RelaxedSearch {
 type LatticeSearch = PoseSearch<Option<AnalyticExpansion>, Never>;
 
 /// The drive that a query asks for.
-struct Drive<'a> {
+struct DriveEnds<'a> {
     start: Pose,
     target: Target<'a>,
     /// The poses that are given, with the body's clearances there.
@@ -144,7 +144,7 @@ impl RelaxedSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(settings.cost, body),
+            heuristic: PoseHeuristic::new(settings.cost, body),
             coarse: [(); 2].map(|()| PoseSearch::new(body, settings.lattice, memory)),
             fine: None,
             walks: [(); 2].map(|()| HolonomicHeuristic::new(memory)),
@@ -181,13 +181,13 @@ impl RelaxedSearch {
         if let Some(path) = self.heuristic.free_expansion(&self.checker, start, target, &profile) {
             return Ok(Found { path, by: FoundBy::Straight });
         }
-        self.relax(&Drive { start, target, ends: &ends }, observer)
+        self.relax(&DriveEnds { start, target, ends: &ends }, observer)
             .map_err(|failure| explain_failure(&self.checker, target, failure))
     }
 
     /// Goes through the schedule until a stage succeeds. The last one tells why not.
-    fn relax(&mut self, drive: &Drive<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
-        let &Drive { start, target, ends } = drive;
+    fn relax(&mut self, drive: &DriveEnds<'_>, observer: &mut dyn PlanningObserver) -> Result<Found, PlanFailure> {
+        let &DriveEnds { start, target, ends } = drive;
         let field = self.checker.field();
         let body = self.checker.body();
         self.walks[0].begin(field, target, target.position_of(start, body));
@@ -239,12 +239,12 @@ impl RelaxedSearch {
         &mut self,
         lattice: LatticeKind,
         budgets: [u32; 2],
-        drive: &Drive<'_>,
+        drive: &DriveEnds<'_>,
         profile: &ClearanceProfile,
         starts_behind: &[Pose],
         weight: f64,
     ) -> Result<Path, SearchFailure> {
-        let &Drive { start, target, .. } = drive;
+        let &DriveEnds { start, target, .. } = drive;
         let Self { checker, settings, memory, heuristic, coarse, fine, walks: [to_goal, to_start], .. } = self;
         let [forward, backward] = match lattice {
             LatticeKind::Coarse => coarse,
@@ -331,7 +331,7 @@ impl RelaxedSearch {
 /// A target, and what leads there.
 struct LatticeSpace<'a> {
     checker: &'a CollisionChecker,
-    heuristic: &'a Heuristic,
+    heuristic: &'a PoseHeuristic,
     profile: &'a ClearanceProfile,
     target: Target<'a>,
     /// Towards the target.

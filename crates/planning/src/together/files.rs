@@ -34,19 +34,19 @@ pub struct FileFault {
 }
 
 /// A value with the line that it begins in.
-struct Value {
+struct YamlNode {
     line: usize,
-    content: Content,
+    content: NodeContent,
 }
 
-enum Content {
+enum NodeContent {
     Word(String),
-    List(Vec<Value>),
+    List(Vec<YamlNode>),
     /// Keys with their values, in their order.
-    Mapping(Vec<(String, Value)>),
+    Mapping(Vec<(String, YamlNode)>),
 }
 
-impl Value {
+impl YamlNode {
     fn parse(text: &str) -> Result<Self, FileFault> {
         let fault = |line: usize, message: &str| FileFault { line, message: message.to_owned() };
         // Values that are open, each with the key that waits for its value.
@@ -56,14 +56,14 @@ impl Value {
             let line = span.start.line();
             let mut done = match event {
                 Event::MappingStart(..) => {
-                    open.push((Self { line, content: Content::Mapping(Vec::new()) }, None));
+                    open.push((Self { line, content: NodeContent::Mapping(Vec::new()) }, None));
                     None
                 }
                 Event::SequenceStart(..) => {
-                    open.push((Self { line, content: Content::List(Vec::new()) }, None));
+                    open.push((Self { line, content: NodeContent::List(Vec::new()) }, None));
                     None
                 }
-                Event::Scalar(word, ..) => Some(Self { line, content: Content::Word(word.into_owned()) }),
+                Event::Scalar(word, ..) => Some(Self { line, content: NodeContent::Word(word.into_owned()) }),
                 Event::MappingEnd | Event::SequenceEnd => open.pop().map(|(value, _)| value),
                 Event::Alias(_) => return Err(fault(line, "aliases are not read here; expected plain values")),
                 _ => None,
@@ -74,13 +74,15 @@ impl Value {
             if let Some(value) = done.take() {
                 match open.last_mut() {
                     None => return Ok(value),
-                    Some((Self { content: Content::List(items), .. }, _)) => items.push(value),
-                    Some((Self { content: Content::Mapping(members), .. }, key)) => match (key.take(), value.content) {
-                        (Some(key), content) => members.push((key, Self { line: value.line, content })),
-                        (None, Content::Word(word)) => *key = Some(word),
-                        (None, _) => return Err(fault(line, "a key is a list or a mapping; expected a word")),
-                    },
-                    Some((Self { content: Content::Word(_), .. }, _)) => unreachable!("words are never open"),
+                    Some((Self { content: NodeContent::List(items), .. }, _)) => items.push(value),
+                    Some((Self { content: NodeContent::Mapping(members), .. }, key)) => {
+                        match (key.take(), value.content) {
+                            (Some(key), content) => members.push((key, Self { line: value.line, content })),
+                            (None, NodeContent::Word(word)) => *key = Some(word),
+                            (None, _) => return Err(fault(line, "a key is a list or a mapping; expected a word")),
+                        }
+                    }
+                    Some((Self { content: NodeContent::Word(_), .. }, _)) => unreachable!("words are never open"),
                 }
             }
         }
@@ -89,16 +91,16 @@ impl Value {
 
     fn unlike(&self, name: &str, expected: &str) -> FileFault {
         let found = match &self.content {
-            Content::Word(word) if word.is_empty() => "empty".to_owned(),
-            Content::Word(word) => visible_start(word),
-            Content::List(items) => format!("a list of {}", items.len()),
-            Content::Mapping(_) => "a mapping".to_owned(),
+            NodeContent::Word(word) if word.is_empty() => "empty".to_owned(),
+            NodeContent::Word(word) => visible_start(word),
+            NodeContent::List(items) => format!("a list of {}", items.len()),
+            NodeContent::Mapping(_) => "a mapping".to_owned(),
         };
         FileFault { line: self.line, message: format!("`{name}` is {found}; expected {expected}") }
     }
 
     fn member(&self, key: &str) -> Result<&Self, FileFault> {
-        let Content::Mapping(members) = &self.content else {
+        let NodeContent::Mapping(members) = &self.content else {
             let message = format!("expected a mapping with `{key}`");
             return Err(FileFault { line: self.line, message });
         };
@@ -108,15 +110,15 @@ impl Value {
 
     fn list(&self, name: &str, max: usize) -> Result<&[Self], FileFault> {
         match &self.content {
-            Content::List(items) if items.len() <= max => Ok(items),
+            NodeContent::List(items) if items.len() <= max => Ok(items),
             // A key without a value.
-            Content::Word(word) if word.is_empty() => Ok(&[]),
+            NodeContent::Word(word) if word.is_empty() => Ok(&[]),
             _ => Err(self.unlike(name, &format!("a list of at most {max}"))),
         }
     }
 
     fn number(&self, name: &str, range: &RangeInclusive<f64>) -> Result<f64, FileFault> {
-        let word = if let Content::Word(word) = &self.content { word.as_str() } else { "" };
+        let word = if let NodeContent::Word(word) = &self.content { word.as_str() } else { "" };
         let number = word.parse().ok().filter(|number| range.contains(number));
         number.ok_or_else(|| self.unlike(name, &format!("a number from {} to {}", range.start(), range.end())))
     }
@@ -140,7 +142,7 @@ const ANY: RangeInclusive<f64> = -1e6..=1e6;
 
 /// Reads an instance: `agents` with `name`, `start` and `goal`, and `map` with `dimensions` and `obstacles`.
 pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
-    let file = Value::parse(text)?;
+    let file = YamlNode::parse(text)?;
     let map = file.member("map")?;
     let [width_m, height_m] = map.member("dimensions")?.numbers("dimensions", &SIDE_M)?;
     let mut obstacles = Vec::new();
@@ -163,7 +165,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
             Ok(Pose::new(x, y, -yaw))
         };
         let name = agent.member("name")?;
-        let Content::Word(word) = &name.content else { return Err(name.unlike("name", "a word")) };
+        let NodeContent::Word(word) = &name.content else { return Err(name.unlike("name", "a word")) };
         if word.is_empty()
             || word.len() > 60
             || !word.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-.".contains(letter))
@@ -183,9 +185,9 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
 
 /// Reads a solution: `schedule` with a list of `x`, `y`, `yaw` and `t` for every vehicle; `t` counts 0, 1, 2, ...
 pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
-    let file = Value::parse(text)?;
+    let file = YamlNode::parse(text)?;
     let schedule = file.member("schedule")?;
-    let Content::Mapping(members) = &schedule.content else {
+    let NodeContent::Mapping(members) = &schedule.content else {
         return Err(schedule.unlike("schedule", "a list of states for each vehicle"));
     };
     let mut left = MAX_STATES;

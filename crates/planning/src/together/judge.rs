@@ -33,7 +33,7 @@ pub struct Schedule {
 
 /// A broken rule.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
+pub enum RuleBreach {
     /// A vehicle of the instance has no schedule, or one of none.
     Missing(String),
     /// A schedule does not begin at the start, or end at the goal.
@@ -48,7 +48,7 @@ pub enum Fault {
     Vehicles { names: [String; 2], time: f64, depth_m: f64 },
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for RuleBreach {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Missing(vehicle) => write!(f, "{vehicle} has no schedule"),
@@ -75,7 +75,7 @@ impl fmt::Display for Fault {
 /// and of every pair.
 ///
 /// Also returns the routes, in the order of the instance, if all steps can be driven.
-pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fault>, Option<Vec<Route>>) {
+pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<RuleBreach>, Option<Vec<Route>>) {
     let mut faults = Vec::new();
     let mut tracks = Vec::new();
     let mut routes = Vec::new();
@@ -84,25 +84,26 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
         let Some((schedule, [first, .., last] | [first @ last])) =
             schedule.map(|schedule| (schedule, schedule.poses.as_slice()))
         else {
-            faults.push(Fault::Missing(vehicle.name.clone()));
+            faults.push(RuleBreach::Missing(vehicle.name.clone()));
             continue;
         };
         for (is_goal, found, requested) in [(false, first, vehicle.start), (true, last, vehicle.goal)] {
             let off_m = (found.position() - requested.position()).length();
             let off_rad = ops::wrap_angle(found.heading - requested.heading).abs();
             if !(off_m <= ROUNDING_M && off_rad <= ROUNDING_RAD) {
-                faults.push(Fault::WrongEnd { vehicle: vehicle.name.clone(), is_goal, off_m, off_rad });
+                faults.push(RuleBreach::WrongEnd { vehicle: vehicle.name.clone(), is_goal, off_m, off_rad });
             }
         }
-        let steps: Vec<Option<Step>> = schedule.poses.windows(2).map(|pair| Step::between(pair[0], pair[1])).collect();
+        let steps: Vec<Option<JudgedStep>> =
+            schedule.poses.windows(2).map(|pair| JudgedStep::between(pair[0], pair[1])).collect();
         match steps.iter().position(Option::is_none) {
-            Some(step) => faults.push(Fault::Undrivable { vehicle: vehicle.name.clone(), step }),
+            Some(step) => faults.push(RuleBreach::Undrivable { vehicle: vehicle.name.clone(), step }),
             None => {
-                let mut steps: Vec<Step> = steps.into_iter().flatten().collect();
+                let mut steps: Vec<JudgedStep> = steps.into_iter().flatten().collect();
                 let segments = steps.iter().map(|step| step.segment).collect();
                 routes.push(Route { start: *first, steps: segments });
-                steps.push(Step::standing(*last));
-                tracks.push(Track { name: &vehicle.name, steps });
+                steps.push(JudgedStep::standing(*last));
+                tracks.push(VehicleTrack { name: &vehicle.name, steps });
             }
         }
     }
@@ -110,7 +111,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
         faults.extend(off_map(instance, mode, track));
         let touched = instance.obstacles.iter().enumerate().filter_map(|(index, &centre)| {
             let (time, depth_m) = touches_obstacle(mode, track, centre)?;
-            Some(Fault::Obstacle { vehicle: track.name.to_owned(), obstacle: index, time, depth_m })
+            Some(RuleBreach::Obstacle { vehicle: track.name.to_owned(), obstacle: index, time, depth_m })
         });
         faults.extend(touched);
     }
@@ -118,7 +119,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
         for other in &tracks[..index] {
             if let Some((time, depth_m)) = vehicles_touch(mode, other, one) {
                 let names = [other.name.to_owned(), one.name.to_owned()];
-                faults.push(Fault::Vehicles { names, time, depth_m });
+                faults.push(RuleBreach::Vehicles { names, time, depth_m });
             }
         }
     }
@@ -126,40 +127,40 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Fa
 }
 
 /// A vehicle's steps; the last, which stands, is forever.
-struct Track<'a> {
+struct VehicleTrack<'a> {
     name: &'a str,
-    steps: Vec<Step>,
+    steps: Vec<JudgedStep>,
 }
 
-impl Track<'_> {
-    fn step(&self, at: usize) -> &Step {
+impl VehicleTrack<'_> {
+    fn step(&self, at: usize) -> &JudgedStep {
         &self.steps[at.min(self.steps.len() - 1)]
     }
 }
 
 /// A drive within a step: the body's corners at its beginning, and how they move.
-struct Step {
+struct JudgedStep {
     rear: DVec2,
     /// Half the diagonal of the motion's bounding circle about the rear axle at the beginning.
     reach_m: f64,
     corners: [DVec2; 4],
-    motion: Motion,
+    motion: JudgedMotion,
     /// The most metres that a corner covers.
     corner_m: f64,
     segment: Segment,
 }
 
-enum Motion {
+enum JudgedMotion {
     Line(DVec2),
     Turn { centre: DVec2, angle: f64 },
 }
 
-impl Step {
+impl JudgedStep {
     fn standing(pose: Pose) -> Self {
-        Self::new(pose, Motion::Line(DVec2::ZERO), Segment { curvature: 0.0, length_m: 0.0 })
+        Self::new(pose, JudgedMotion::Line(DVec2::ZERO), Segment { curvature: 0.0, length_m: 0.0 })
     }
 
-    fn new(from: Pose, motion: Motion, segment: Segment) -> Self {
+    fn new(from: Pose, motion: JudgedMotion, segment: Segment) -> Self {
         let rear = from.position();
         let (sin, cos) = ops::sin_cos(from.heading);
         let along = DVec2::new(cos, sin);
@@ -168,8 +169,8 @@ impl Step {
         let corners = [(FRONT_M, half), (-BACK_M, half), (-BACK_M, -half), (FRONT_M, -half)]
             .map(|(ahead, aside)| rear + along * ahead + left * aside);
         let corner_m = match &motion {
-            Motion::Line(shift) => shift.length(),
-            Motion::Turn { centre, angle } => {
+            JudgedMotion::Line(shift) => shift.length(),
+            JudgedMotion::Turn { centre, angle } => {
                 corners.iter().map(|corner| (*corner - *centre).length() * angle.abs()).fold(0.0, f64::max)
             }
         };
@@ -202,7 +203,7 @@ impl Step {
             return None;
         }
         if is_straight {
-            return Some(Self::new(from, Motion::Line(chord), Segment { curvature: 0.0, length_m }));
+            return Some(Self::new(from, JudgedMotion::Line(chord), Segment { curvature: 0.0, length_m }));
         }
         let curvature = turn / length_m;
         // Rounded poses of a short arc say little about its radius.
@@ -213,13 +214,13 @@ impl Step {
         // From the middle of the chord at a right angle, so that the turn ends exactly at the next pose.
         let centre =
             0.5 * (from.position() + to.position()) + DVec2::new(-chord.y, chord.x) * (0.5 / ops::tan(0.5 * turn));
-        Some(Self::new(from, Motion::Turn { centre, angle: turn }, Segment { curvature, length_m }))
+        Some(Self::new(from, JudgedMotion::Turn { centre, angle: turn }, Segment { curvature, length_m }))
     }
 
     fn moved(&self, point: DVec2, share: f64) -> DVec2 {
         match self.motion {
-            Motion::Line(shift) => point + shift * share,
-            Motion::Turn { centre, angle } => {
+            JudgedMotion::Line(shift) => point + shift * share,
+            JudgedMotion::Turn { centre, angle } => {
                 let (sin, cos) = ops::sin_cos(angle * share);
                 let arm = point - centre;
                 centre + DVec2::new(cos * arm.x - sin * arm.y, sin * arm.x + cos * arm.y)
@@ -254,7 +255,7 @@ fn first_touch(change_m: f64, gap_at: &dyn Fn(f64) -> f64) -> Option<(f64, f64)>
     None
 }
 
-fn off_map(instance: &Instance, mode: Mode, track: &Track) -> Option<Fault> {
+fn off_map(instance: &Instance, mode: Mode, track: &VehicleTrack) -> Option<RuleBreach> {
     let DVec2 { x, y } = instance.size_m;
     let inside = |point: DVec2| point.x.min(point.y).min(x - point.x).min(y - point.y);
     track.steps.iter().enumerate().find_map(|(at, step)| {
@@ -262,11 +263,11 @@ fn off_map(instance: &Instance, mode: Mode, track: &Track) -> Option<Fault> {
             Mode::Benchmark => (inside(step.rear) < -TOLERANCE_M).then_some(0.0),
             Mode::Exact => first_touch(step.corner_m, &|share| inside(step.rear_at(share))).map(|(share, _)| share),
         }?;
-        Some(Fault::OffMap { vehicle: track.name.to_owned(), time: at as f64 + share })
+        Some(RuleBreach::OffMap { vehicle: track.name.to_owned(), time: at as f64 + share })
     })
 }
 
-fn touches_obstacle(mode: Mode, track: &Track, centre: DVec2) -> Option<(f64, f64)> {
+fn touches_obstacle(mode: Mode, track: &VehicleTrack, centre: DVec2) -> Option<(f64, f64)> {
     // The benchmark does not compare starts with obstacles.
     let skipped = usize::from(mode == Mode::Benchmark);
     track.steps.iter().enumerate().skip(skipped).find_map(|(at, step)| {
@@ -286,7 +287,7 @@ fn touches_obstacle(mode: Mode, track: &Track, centre: DVec2) -> Option<(f64, f6
     })
 }
 
-fn vehicles_touch(mode: Mode, one: &Track, other: &Track) -> Option<(f64, f64)> {
+fn vehicles_touch(mode: Mode, one: &VehicleTrack, other: &VehicleTrack) -> Option<(f64, f64)> {
     let circles_m = ops::hypot(2.0 * FRONT_M, WIDTH_M);
     (0..one.steps.len().max(other.steps.len())).find_map(|at| {
         let (a, b) = (one.step(at), other.step(at));

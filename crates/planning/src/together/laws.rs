@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use rand::{Rng, RngExt};
 
 use super::files::{read_instance, read_solution, write_solution};
-use super::judge::{self, Fault, Schedule};
+use super::judge::{self, RuleBreach, Schedule};
 use super::world::{Motion, Traffic};
 use super::*;
 use wildfire_base::geometry::ops;
@@ -15,7 +15,7 @@ use wildfire_base::rng;
 const BOTH: [Mode; 2] = [Mode::Benchmark, Mode::Exact];
 
 fn settings(mode: Mode, seed: u64) -> PlanTogether {
-    PlanTogether { mode, method: Method::Repair, seed, rounds: 300, polish: 1 }
+    PlanTogether { mode, method: RepairMethod::Repair, seed, rounds: 300, polish: 1 }
 }
 
 fn solve(instance: &Instance, settings: &PlanTogether) -> Result<Vec<Route>, Unsolved> {
@@ -92,10 +92,10 @@ fn solutions_pass_the_independent_check() {
 
 #[test]
 fn the_same_seed_gives_the_same_routes() {
-    for method in [Method::Prioritised, Method::Repair] {
+    for method in [RepairMethod::Prioritised, RepairMethod::Repair] {
         let instance = random_instance(3, 9, 4);
         let settings = PlanTogether { method, ..settings(Mode::Benchmark, 7) };
-        let bits = |(routes, effort): (Result<Vec<Route>, Unsolved>, Effort)| (format!("{routes:?}"), effort);
+        let bits = |(routes, effort): (Result<Vec<Route>, Unsolved>, RepairEffort)| (format!("{routes:?}"), effort);
         let first = bits(plan(&instance, &settings, &mut || false));
         assert_eq!(first, bits(plan(&instance, &settings, &mut || false)));
     }
@@ -109,7 +109,9 @@ fn vehicles_make_way_for_each_other() {
     let parked = vec![vehicle("still", at(20.0, 0.0), at(20.0, 0.0)), vehicle("mover", at(5.0, 0.0), at(40.0, 0.0))];
     for vehicles in [facing, parked] {
         let instance = Instance { size_m: DVec2::new(45.0, 9.0), obstacles: Vec::new(), vehicles };
-        for (mode, method) in BOTH.into_iter().flat_map(|mode| [(mode, Method::Prioritised), (mode, Method::Repair)]) {
+        for (mode, method) in
+            BOTH.into_iter().flat_map(|mode| [(mode, RepairMethod::Prioritised), (mode, RepairMethod::Repair)])
+        {
             let routes =
                 solve(&instance, &PlanTogether { method, ..settings(mode, 1) }).expect("there is room to pass");
             assert_eq!(judge::check(&instance, mode, &schedules(&instance, &routes)).0, []);
@@ -185,7 +187,7 @@ fn contact_is_decided_whatever_the_gap() {
 #[test]
 fn every_method_stops_at_its_limit() {
     let instance = random_instance(4, 6, 30);
-    for method in [Method::Prioritised, Method::Repair] {
+    for method in [RepairMethod::Prioritised, RepairMethod::Repair] {
         let mut stopped = 0;
         for max_calls in 0..60 {
             let mut calls = 0;
@@ -254,7 +256,7 @@ fn planner_and_judge_agree_with_samples() {
         }
         if !faults.is_empty() {
             touching += 1;
-            assert!(matches!(faults[..], [Fault::Vehicles { .. }]), "{faults:?}");
+            assert!(matches!(faults[..], [RuleBreach::Vehicles { .. }]), "{faults:?}");
         }
     }
     assert!(touching > 300 && free > 300, "{touching} touch, {free} are free");
@@ -269,7 +271,7 @@ fn the_judge_finds_what_is_wrong() {
         let mut schedules = good.clone();
         change(&mut schedules);
         let (faults, _) = judge::check(&instance, Mode::Exact, &schedules);
-        faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n")
+        faults.iter().map(RuleBreach::to_string).collect::<Vec<_>>().join("\n")
     };
     let none = found(&|_| {});
     assert_eq!(none, "");

@@ -21,7 +21,7 @@ mod repair;
 mod route;
 mod world;
 
-pub use repair::{Effort, Method, PlanTogether, Unsolved, plan};
+pub use repair::{PlanTogether, RepairEffort, RepairMethod, Unsolved, plan};
 
 use glam::DVec2;
 use serde::Serialize;

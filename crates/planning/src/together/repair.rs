@@ -12,8 +12,8 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 use serde::Serialize;
 
-use super::route::{Drive, Others, Query, Search, drives, keep, shortened, wait_along};
-use super::world::{Ground, Motion, Traffic};
+use super::route::{Others, Query, Search, StaticDrive, drives, keep, shortened, wait_along};
+use super::world::{Motion, StaticMap, Traffic};
 use super::{Instance, Mode, Route};
 use wildfire_base::geometry::Pose;
 use wildfire_base::rng::{self, Xoshiro256PlusPlus};
@@ -29,14 +29,14 @@ const DRIVE_EXPANSIONS: [u32; 2] = [4000, 200_000];
 /// What is done about conflicts that planning one after the other leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Method {
+pub enum RepairMethod {
     /// Other random orders.
     Prioritised,
     /// Repair by large neighbourhoods.
     Repair,
 }
 
-impl Method {
+impl RepairMethod {
     pub const ALL: [Self; 2] = [Self::Prioritised, Self::Repair];
 
     pub fn name(self) -> &'static str {
@@ -51,7 +51,7 @@ impl Method {
 #[derive(Clone, Copy, Debug)]
 pub struct PlanTogether {
     pub mode: Mode,
-    pub method: Method,
+    pub method: RepairMethod,
     pub seed: u64,
     /// Most rounds of repair; of random orders a tenth.
     pub rounds: u32,
@@ -61,7 +61,7 @@ pub struct PlanTogether {
 
 /// What a plan took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Effort {
+pub struct RepairEffort {
     pub expansions: u64,
     pub rounds: u32,
 }
@@ -110,19 +110,19 @@ pub fn plan(
     instance: &Instance,
     settings: &PlanTogether,
     is_stopped: &mut dyn FnMut() -> bool,
-) -> (Result<Vec<Route>, Unsolved>, Effort) {
-    let mut team = Team::new(instance, settings, is_stopped);
+) -> (Result<Vec<Route>, Unsolved>, RepairEffort) {
+    let mut team = RepairTeam::new(instance, settings, is_stopped);
     let found = team.solve();
-    let effort = Effort { expansions: team.search.expanded, rounds: team.rounds };
+    let effort = RepairEffort { expansions: team.search.expanded, rounds: team.rounds };
     (found.map(|()| team.routes.into_iter().map(|route| route.expect("all have routes")).collect()), effort)
 }
 
-struct Team<'a> {
+struct RepairTeam<'a> {
     instance: &'a Instance,
     settings: &'a PlanTogether,
     /// The map for each vehicle.
-    grounds: Vec<Ground<'a>>,
-    drives: Vec<Vec<Drive>>,
+    grounds: Vec<StaticMap<'a>>,
+    drives: Vec<Vec<StaticDrive>>,
     traffic: Traffic,
     routes: Vec<Option<Route>>,
     /// For every vehicle those that it conflicts with, in order.
@@ -140,7 +140,7 @@ struct SearchBudget {
     expansions: u32,
 }
 
-impl<'a> Team<'a> {
+impl<'a> RepairTeam<'a> {
     fn new(instance: &'a Instance, settings: &'a PlanTogether, is_stopped: &'a mut dyn FnMut() -> bool) -> Self {
         let vehicles = instance.vehicles.len();
         Self {
@@ -179,8 +179,8 @@ impl<'a> Team<'a> {
         let mut order: Vec<usize> = (0..self.routes.len()).collect();
         order.sort_by(|&a, &b| self.min_m(b).total_cmp(&self.min_m(a)));
         match self.settings.method {
-            Method::Prioritised => self.try_orders(order)?,
-            Method::Repair => {
+            RepairMethod::Prioritised => self.try_orders(order)?,
+            RepairMethod::Repair => {
                 self.replan(&order, SearchBudget { penalty_m: PENALTY_M, expansions: 1000 })?;
                 self.repair()?;
             }
@@ -200,7 +200,7 @@ impl<'a> Team<'a> {
         let vehicles = &self.instance.vehicles;
         for vehicle in vehicles {
             let blocked = |is_goal| Unsolved::Blocked { vehicle: vehicle.name.clone(), is_goal };
-            self.grounds.push(Ground::new(self.instance, self.settings.mode, vehicle).map_err(blocked)?);
+            self.grounds.push(StaticMap::new(self.instance, self.settings.mode, vehicle).map_err(blocked)?);
         }
         for is_goal in [false, true] {
             let ends = vehicles.iter().map(|vehicle| if is_goal { vehicle.goal } else { vehicle.start });

@@ -11,7 +11,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
-use super::world::{Ground, Motion, Traffic, steps_of};
+use super::world::{Motion, StaticMap, Traffic, steps_of};
 use super::{CURVES, RADIUS_M, Route, STEP_M, Vehicle, step_price_m};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{CurvePrice, Segment};
@@ -32,13 +32,13 @@ const NEAR_GOAL_M: f64 = 12.0;
 
 /// A drive past the standing obstacles, without waits.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct StaticDrive {
     pub length_m: f64,
     start: Pose,
     motions: Vec<Motion>,
 }
 
-impl Drive {
+impl StaticDrive {
     fn new(start: Pose, steps: impl IntoIterator<Item = Segment>) -> Self {
         let mut from = start;
         let motions: Vec<Motion> = steps
@@ -93,7 +93,7 @@ impl Others<'_> {
 /// Finds the waits along a drive that cost the least, and less than `bound_m`.
 ///
 /// Layers of one wait more each; a layer whose cheapest way on cannot win with a further wait is the last.
-pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<CostedRoute> {
+pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<CostedRoute> {
     let steps = drive.motions.len();
     let mut ahead_m = vec![0.0; steps + 1];
     for at in (0..steps).rev() {
@@ -157,13 +157,13 @@ pub fn wait_along(drive: &Drive, others: &Others, bound_m: f64) -> Option<Costed
 
 /// Finds drives past the standing obstacles, the shortest first; none if a search of `expansions` finds no way.
 pub fn drives(
-    ground: &Ground,
+    ground: &StaticMap,
     vehicle: &Vehicle,
     search: &mut Search,
     expansions: u32,
     is_stopped: &mut dyn FnMut() -> bool,
-) -> Vec<Drive> {
-    let mut found: Vec<Drive> = Vec::new();
+) -> Vec<StaticDrive> {
+    let mut found: Vec<StaticDrive> = Vec::new();
     let mut curves = Vec::new();
     CURVES.candidates(vehicle.start, vehicle.goal, &CurvePrice::LENGTH, &mut curves);
     let shortest_m = curves[0].price;
@@ -171,7 +171,7 @@ pub fn drives(
         if found.len() == MAX_DRIVES - 2 {
             break;
         }
-        let drive = Drive::new(vehicle.start, steps_of(curve.curve.segments()));
+        let drive = StaticDrive::new(vehicle.start, steps_of(curve.curve.segments()));
         if drive.motions.iter().all(|motion| ground.allows(motion)) {
             found.push(drive);
         }
@@ -187,8 +187,8 @@ pub fn drives(
 }
 
 /// Adds a drive to those of a vehicle; the longest of too many goes.
-pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
-    let is_duplicate = |existing: &Drive| {
+pub fn keep(drives: &mut Vec<StaticDrive>, drive: StaticDrive) {
+    let is_duplicate = |existing: &StaticDrive| {
         existing.motions.len() == drive.motions.len() && (existing.length_m - drive.length_m).abs() < 1e-9
     };
     if drives.iter().any(is_duplicate) {
@@ -200,12 +200,12 @@ pub fn keep(drives: &mut Vec<Drive>, drive: Drive) {
 }
 
 /// Shortens a route's drive by Reeds-Shepp curves between its poses, until it is stopped, and drops its waits.
-pub fn shortened(ground: &Ground, route: Route, is_stopped: &mut dyn FnMut() -> bool) -> Drive {
+pub fn shortened(ground: &StaticMap, route: Route, is_stopped: &mut dyn FnMut() -> bool) -> StaticDrive {
     let driven = route.steps.iter().copied().filter(|step| step.length_m != 0.0);
-    let whole = Drive::new(route.start, driven.clone());
+    let whole = StaticDrive::new(route.start, driven.clone());
     // Cut at half steps: more poses for curves to begin and end at.
     let halves = driven.flat_map(|step| std::iter::repeat_n(step.with_length(0.5 * step.length_m.abs()), 2));
-    let mut drive = Drive::new(route.start, halves);
+    let mut drive = StaticDrive::new(route.start, halves);
     let mut span = drive.motions.len();
     while span >= 2 && !is_stopped() {
         let mut from = 0;
@@ -216,12 +216,12 @@ pub fn shortened(ground: &Ground, route: Route, is_stopped: &mut dyn FnMut() -> 
             let driven_m: f64 = parts.iter().map(|motion| motion.step.length_m.abs()).sum();
             // A cut that gains next to nothing costs steps.
             if let Some(length_m) = CURVES.length_below(start, end, driven_m - 0.02) {
-                let cut = Drive::new(start, steps_of(CURVES.shortest(start, end).segments()));
+                let cut = StaticDrive::new(start, steps_of(CURVES.shortest(start, end).segments()));
                 if cut.motions.iter().all(|motion| ground.allows(motion)) && length_m < driven_m {
                     let steps: Vec<Segment> = drive.motions.iter().map(|motion| motion.step).collect();
                     let steps = steps[..from].iter().copied().chain(cut.motions.iter().map(|motion| motion.step));
                     let rest = drive.motions[from + span..].iter().map(|motion| motion.step);
-                    drive = Drive::new(route.start, steps.chain(rest));
+                    drive = StaticDrive::new(route.start, steps.chain(rest));
                 }
             }
             from += (span / 4).max(1);
@@ -233,15 +233,15 @@ pub fn shortened(ground: &Ground, route: Route, is_stopped: &mut dyn FnMut() -> 
         start: route.start,
         segments: drive.motions.iter().map(|motion| motion.step).collect(),
     };
-    let joined = Drive::new(route.start, steps_of(path.joined().segments.into_iter()));
+    let joined = StaticDrive::new(route.start, steps_of(path.joined().segments.into_iter()));
     // Other cuts have other whole steps, at which obstacles may be met that were passed between steps before.
-    let is_allowed = |drive: &Drive| drive.motions.iter().all(|motion| ground.allows(motion));
+    let is_allowed = |drive: &StaticDrive| drive.motions.iter().all(|motion| ground.allows(motion));
     [joined, drive].into_iter().find(is_allowed).unwrap_or(whole)
 }
 
 /// A search for one vehicle.
 pub struct Query<'a> {
-    pub ground: &'a Ground<'a>,
+    pub ground: &'a StaticMap<'a>,
     pub vehicle: &'a Vehicle,
     /// The others; without them nothing waits.
     pub others: Option<&'a Others<'a>>,
@@ -251,7 +251,7 @@ pub struct Query<'a> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct RouteNode {
     pose: Pose,
     at: u32,
     parent: u32,
@@ -262,7 +262,7 @@ struct Node {
 /// The memory of searches, kept from one to the next.
 #[derive(Debug, Default)]
 pub struct Search {
-    nodes: Vec<Node>,
+    nodes: Vec<RouteNode>,
     open: BinaryHeap<Reverse<(u64, Reverse<u64>, u32)>>,
     bins: Bins,
     /// Nodes expanded by all searches.
@@ -280,7 +280,7 @@ impl Search {
         self.open.clear();
         self.bins.clear();
         let ahead_m = |pose: Pose| CURVES.length_m(pose, vehicle.goal);
-        let root = Node { pose: vehicle.start, at: 0, parent: u32::MAX, step: WAIT, price_m: 0.0 };
+        let root = RouteNode { pose: vehicle.start, at: 0, parent: u32::MAX, step: WAIT, price_m: 0.0 };
         self.push(root, ahead_m(root.pose));
         let mut best_m = bound_m;
         let mut best: Option<(u32, Vec<Segment>)> = None;
@@ -312,7 +312,7 @@ impl Search {
             }
             for step in moves(others.is_some()) {
                 let motion = Motion { from: node.pose, step };
-                let mut child = Node {
+                let mut child = RouteNode {
                     pose: step.end(node.pose),
                     at: node.at + 1,
                     parent: index,
@@ -346,7 +346,7 @@ impl Search {
         Some(CostedRoute { route: Route { start: vehicle.start, steps }, price_m: best_m })
     }
 
-    fn push(&mut self, node: Node, ahead_m: f64) {
+    fn push(&mut self, node: RouteNode, ahead_m: f64) {
         let key = (node.price_m + WEIGHT * ahead_m).to_bits();
         // Of equals the one that is farther on, then the older.
         self.open.push(Reverse((key, Reverse(node.price_m.to_bits()), self.nodes.len() as u32)));
@@ -355,7 +355,7 @@ impl Search {
 }
 
 /// Returns the price of a route that ends by these steps, if that is less than the bound.
-fn try_shot(query: &Query, node: &Node, steps: &[Segment], bound_m: f64) -> Option<f64> {
+fn try_shot(query: &Query, node: &RouteNode, steps: &[Segment], bound_m: f64) -> Option<f64> {
     let mut from = node.pose;
     let mut at = node.at as usize;
     let mut price_m = node.price_m + steps.iter().map(|step| step.length_m.abs()).sum::<f64>();
@@ -386,7 +386,7 @@ fn moves(with_wait: bool) -> impl Iterator<Item = Segment> {
 }
 
 /// Returns the number of the bin of a node's place, heading and step.
-fn bin_of(node: &Node, is_timed: bool) -> u64 {
+fn bin_of(node: &RouteNode, is_timed: bool) -> u64 {
     let col = (node.pose.x / BIN_M) as u64;
     let row = (node.pose.y / BIN_M) as u64;
     let turn = (node.pose.heading / TAU * HEADING_BINS).round().rem_euclid(HEADING_BINS) as u64;

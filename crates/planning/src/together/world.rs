@@ -60,7 +60,7 @@ impl Motion {
 
 /// The map as a vehicle alone meets it.
 #[derive(Clone, Copy, Debug)]
-pub struct Ground<'a> {
+pub struct StaticMap<'a> {
     instance: &'a Instance,
     mode: Mode,
     /// The distance from obstacles in [`Mode::Exact`].
@@ -69,7 +69,7 @@ pub struct Ground<'a> {
     border_m: f64,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> StaticMap<'a> {
     /// Prepares the map for one vehicle, unless it may not stand at its start or at its goal; then says whether that is
     /// the goal.
     pub fn new(instance: &'a Instance, mode: Mode, vehicle: &Vehicle) -> Result<Self, bool> {

@@ -10,7 +10,7 @@ use super::query::{Walk, WalkCosts, WalkQuery};
 
 /// The estimate of the cost-to-go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Estimate {
+pub enum CostToGoEstimate {
     /// The cost of the shortest lattice path on an empty field to the nearest point of reach: admissible and
     /// consistent.
     Octile,
@@ -20,11 +20,11 @@ pub enum Estimate {
 
 /// A* to any of the points of reach.
 ///
-/// With weight 1 and [`Estimate::Octile`] the walk is a cheapest one: factors of at least 1 keep the estimate below
+/// With weight 1 and [`CostToGoEstimate::Octile`] the walk is a cheapest one: factors of at least 1 keep the estimate below
 /// the true cost.
 pub fn walk(
     memory: &mut AStar,
-    (estimate, weight): (Estimate, f64),
+    (estimate, weight): (CostToGoEstimate, f64),
     costs: &WalkCosts,
     query: &WalkQuery<'_>,
     observer: &mut dyn PlanningObserver,
@@ -35,8 +35,8 @@ pub fn walk(
     // taken off the distance to the centre, bounds the distance to each point of reach from below.
     let short = goals.iter().map(|&goal| octile(lattice.position(goal), centre)).fold(0.0, f64::max);
     let estimate = |point: usize, parent: usize| match estimate {
-        Estimate::Octile => weight * (octile(lattice.position(point), centre) - short).max(0.0),
-        Estimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
+        CostToGoEstimate::Octile => weight * (octile(lattice.position(point), centre) - short).max(0.0),
+        CostToGoEstimate::ParentEuclidean => weight * (lattice.position(parent) - centre).length(),
     };
     let found = memory.search(lattice.moves(), start, costs, |point| query.is_goal(point), estimate);
     observer.on_edges_examined(

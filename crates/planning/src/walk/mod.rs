@@ -15,7 +15,7 @@ mod query;
 mod test_lattices;
 mod wavefront;
 
-pub use astar::Estimate;
+pub use astar::CostToGoEstimate;
 pub use lattice::{LatticeShape, WalkLattice};
 pub use potential::PotentialSettings;
 pub use query::{Walk, WalkCosts};
@@ -29,7 +29,7 @@ use wildfire_grid::astar::AStar;
 /// The method by which a walk is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum WalkMethod {
-    Astar { estimate: Estimate, weight: f64 },
+    Astar { estimate: CostToGoEstimate, weight: f64 },
     Wavefront,
     Potential(PotentialSettings),
 }
@@ -41,7 +41,7 @@ pub struct WalkPlanner {
 }
 
 enum Prepared {
-    Astar { memory: AStar, estimate: Estimate, weight: f64 },
+    Astar { memory: AStar, estimate: CostToGoEstimate, weight: f64 },
     Wavefront,
     Potential(PotentialField),
 }
@@ -92,7 +92,7 @@ mod tests {
     use wildfire_grid::potential::{Attraction, Repulsion};
     use wildfire_grid::{Connectivity, CornerCutting, Grid, octile};
 
-    const ASTAR: WalkMethod = WalkMethod::Astar { estimate: Estimate::Octile, weight: 1.0 };
+    const ASTAR: WalkMethod = WalkMethod::Astar { estimate: CostToGoEstimate::Octile, weight: 1.0 };
     const POTENTIAL: PotentialSettings = PotentialSettings {
         attraction: Attraction::Squared { zeta: 1.0 },
         scale: Some(10.0),
@@ -135,7 +135,7 @@ mod tests {
             for steps in [(5.0, 5.0 * SQRT_2), (1.0, 1.0)] {
                 for factors in [None, random_factors(lattice)] {
                     let costs = WalkCosts { steps, factors };
-                    let blind = WalkMethod::Astar { estimate: Estimate::Octile, weight: 0.0 };
+                    let blind = WalkMethod::Astar { estimate: CostToGoEstimate::Octile, weight: 0.0 };
                     let paths = [ASTAR, blind, WalkMethod::Wavefront].map(|method| {
                         let mut planner = WalkPlanner::new(lattice, method, costs.clone());
                         planner.plan(lattice, start, (cell, 6.25), &mut NullObserver).path
@@ -162,7 +162,7 @@ mod tests {
             let effort = |method| {
                 WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut NullObserver)
             };
-            let greedy = effort(WalkMethod::Astar { estimate: Estimate::Octile, weight: 4.0 });
+            let greedy = effort(WalkMethod::Astar { estimate: CostToGoEstimate::Octile, weight: 4.0 });
             let exact = effort(ASTAR);
             let wave = effort(WalkMethod::Wavefront);
             greedy_effort += greedy.expansions;

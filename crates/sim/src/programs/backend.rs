@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use wildfire_module::{Failure, FailureKind, Instance};
+use wildfire_module::{Failure, FailureKind, ModuleInstance};
 
 use super::process::{Launch, Process, ProcessError, ProcessErrorKind, QueryLimits, say};
 use super::protocol::ToProgram;
@@ -19,7 +19,7 @@ pub enum Backend {
 #[derive(Debug)]
 pub struct WasmInstance {
     name: String,
-    instance: Instance,
+    instance: ModuleInstance,
     /// Instructions that nobody has counted yet.
     instructions: u64,
     /// Lines of stderr that were passed on.
@@ -32,7 +32,7 @@ impl Backend {
         match &program.module {
             None => Ok(Self::Process(Box::new(Process::start(program)?))),
             Some((module, seed)) => {
-                let instance = Instance::new(module, *seed).map_err(ProcessError::crashed)?;
+                let instance = ModuleInstance::new(module, *seed).map_err(ProcessError::crashed)?;
                 Ok(Self::Module(Box::new(WasmInstance {
                     name: program.name.clone(),
                     instance,

@@ -19,7 +19,7 @@ pub struct ExternalClient {
     /// The line that shows it the field.
     field: Vec<u8>,
     /// `None` after a failure, until the next query.
-    session: Option<Session>,
+    session: Option<ProgramSession>,
     /// Attempts to start it again that failed.
     failed_starts: u32,
     /// The last queries in a row in which a module ran out of instructions.
@@ -30,7 +30,7 @@ pub struct ExternalClient {
 
 /// A program that has said hello.
 #[derive(Debug)]
-pub struct Session {
+pub struct ProgramSession {
     peer: Backend,
     /// Queries on this field: they are numbered from 1 on, so that a program may count them itself.
     queries: u64,
@@ -54,7 +54,11 @@ pub struct Reply {
 
 impl ExternalClient {
     /// Starts a program and shows it a field, or shows it to one that has played before.
-    pub fn new(program: Arc<Launch>, field: &ToProgram<'_>, before: Option<Session>) -> Result<Self, ProcessError> {
+    pub fn new(
+        program: Arc<Launch>,
+        field: &ToProgram<'_>,
+        before: Option<ProgramSession>,
+    ) -> Result<Self, ProcessError> {
         let field = field.line();
         // One that played before and cannot go on costs this run nothing but the time of finding out.
         let again = before.and_then(|session| session.play_again(&program, &field));
@@ -64,7 +68,7 @@ impl ExternalClient {
                 (session, built)
             }
             None => {
-                let (started, built) = Session::start(&program, &field, program.start_instructions);
+                let (started, built) = ProgramSession::start(&program, &field, program.start_instructions);
                 let mut session = started?;
                 session.peer.take_instructions();
                 (session, built)
@@ -132,14 +136,14 @@ impl ExternalClient {
 
     /// Takes the program, or starts it again; returns the CPU time of a start too. A query that fails costs that query
     /// alone: only failed starts are counted, and after too many of them nobody tries again.
-    fn running(&mut self) -> (Result<Session, ProcessError>, Option<Duration>) {
+    fn running(&mut self) -> (Result<ProgramSession, ProcessError>, Option<Duration>) {
         if let Some(session) = self.session.take() {
             return (Ok(session), None);
         }
         if self.failed_starts > self.program.restarts {
             return (Err(ProcessError::crashed("failed to start more often than it may")), None);
         }
-        let (started, cpu) = Session::start(&self.program, &self.field, self.program.query_instructions);
+        let (started, cpu) = ProgramSession::start(&self.program, &self.field, self.program.query_instructions);
         let started = started.map_err(|error| {
             self.failed_starts += 1;
             ProcessError { kind: ProcessErrorKind::Crashed, message: format!("did not start again: {}", error.message) }
@@ -148,7 +152,7 @@ impl ExternalClient {
     }
 
     /// Gives the program away, to play in another run, if it has not failed.
-    pub fn into_session(mut self) -> Option<(Arc<Launch>, Session)> {
+    pub fn into_session(mut self) -> Option<(Arc<Launch>, ProgramSession)> {
         let session = self.session.take()?;
         Some((Arc::clone(&self.program), session))
     }
@@ -162,7 +166,7 @@ impl Drop for ExternalClient {
     }
 }
 
-impl Session {
+impl ProgramSession {
     /// Starts a program and shows it a field; returns the CPU time that it took, also if that fails.
     fn start(program: &Launch, field: &[u8], instructions: u64) -> (Result<Self, ProcessError>, Option<Duration>) {
         let watch = WallStopwatch::start();

@@ -8,12 +8,12 @@ use std::time::Duration;
 use rand::Rng;
 use serde_json::Value;
 
-use super::external_client::{ExternalClient, Session};
+use super::external_client::{ExternalClient, ProgramSession};
 use super::planner::ProgramPlanner;
 use super::policy::ProgramPolicy;
 use super::process::Launch;
 use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
-use super::supervisor::Limits;
+use super::supervisor::ProcessLimits;
 use crate::StartPrograms;
 use crate::policies::{Policies, Policy, PolicyContext, PolicyNameError};
 use crate::scenario::{Program, Programs, Scenario, UsedProgram};
@@ -33,10 +33,10 @@ const SEED_BITS: u32 = 53;
 
 /// Programs that play in more than one run and are free at the moment.
 #[derive(Debug, Default)]
-pub struct Idle(Mutex<Vec<(Arc<Launch>, Session)>>);
+pub struct Idle(Mutex<Vec<(Arc<Launch>, ProgramSession)>>);
 
 impl Idle {
-    fn take(&self, launch: &Launch) -> Option<Session> {
+    fn take(&self, launch: &Launch) -> Option<ProgramSession> {
         let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = idle.iter().position(|(other, _)| **other == *launch)?;
         Some(idle.swap_remove(found).1)
@@ -284,6 +284,6 @@ fn launch(name: &PlannerName, table: &Program) -> Launch {
         module: None,
         start_instructions: table.start_instructions(),
         query_instructions: table.query_instructions(),
-        limits: Limits { memory_mb: table.memory_limit_mb.into(), processes: MAX_PROCESSES },
+        limits: ProcessLimits { memory_mb: table.memory_limit_mb.into(), processes: MAX_PROCESSES },
     }
 }

@@ -20,7 +20,7 @@ use nix::unistd::Pid;
 
 use super::process_tree::GroupClock;
 use super::protocol::MAX_BYTES;
-use super::supervisor::{self, Exceeded, ExitCause, GRACE, Limits, MAX_STDERR_LINES, Report, SupervisorCommand};
+use super::supervisor::{self, Exceeded, ExitCause, GRACE, MAX_STDERR_LINES, ProcessLimits, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
 use wildfire_module::Module;
@@ -63,7 +63,7 @@ pub struct Launch {
     pub start_instructions: u64,
     /// Instructions of a module in a query, a new start after a failure included.
     pub query_instructions: u64,
-    pub limits: Limits,
+    pub limits: ProcessLimits,
 }
 
 /// The kinds of failure of a program.

@@ -225,7 +225,7 @@ pub enum FromProgram {
     /// The answer to `plan`: there is no path.
     None(NoneAnswer),
     /// The answer to `ask`.
-    Answer(PolicyAnswer),
+    ModuleAnswer(PolicyAnswer),
     /// The answer to `ask` with a `line`: where crews build.
     Line(LineAnswer),
 }
@@ -379,7 +379,7 @@ impl FromProgram {
         match self {
             Self::Path(PathAnswer { id, .. })
             | Self::None(NoneAnswer { id, .. })
-            | Self::Answer(PolicyAnswer { id, .. })
+            | Self::ModuleAnswer(PolicyAnswer { id, .. })
             | Self::Line(LineAnswer { id, .. }) => Some(*id),
             Self::Hello(_) | Self::Ready | Self::Error(_) => None,
         }
@@ -388,19 +388,19 @@ impl FromProgram {
     /// Reads a line. The error says in words what is wrong with it, and reads well after what the line says.
     pub fn parse(line: &[u8]) -> Result<Self, String> {
         #[derive(Deserialize)]
-        struct Head {
+        struct MessageHead {
             #[serde(rename = "type")]
-            kind: Option<Kind>,
+            kind: Option<MessageType>,
         }
         #[derive(Deserialize)]
         #[serde(rename_all = "kebab-case")]
-        enum Kind {
+        enum MessageType {
             Hello,
             Ready,
             Error,
             Path,
             None,
-            Answer,
+            ModuleAnswer,
             Line,
         }
         let text = str::from_utf8(line).map_err(|_| "it is no UTF-8 text".to_owned())?;
@@ -408,12 +408,12 @@ impl FromProgram {
             return Err("it is no JSON object; what is meant for people goes to stderr".to_owned());
         }
         // What is passed over costs little, so that the type may stand anywhere and nothing is kept of other members.
-        let Head { kind } = read(text)?;
+        let MessageHead { kind } = read(text)?;
         match kind.ok_or_else(|| "it has no member `type`".to_owned())? {
-            Kind::Hello => read(text).map(Self::Hello),
-            Kind::Ready => Ok(Self::Ready),
-            Kind::Error => read(text).map(Self::Error),
-            Kind::Path => {
+            MessageType::Hello => read(text).map(Self::Hello),
+            MessageType::Ready => Ok(Self::Ready),
+            MessageType::Error => read(text).map(Self::Error),
+            MessageType::Path => {
                 let path: PathAnswer = read(text)?;
                 match (&path.segments, &path.poses) {
                     (None, None) => Err("a path has `segments` or `poses`".to_owned()),
@@ -423,12 +423,12 @@ impl FromProgram {
                         .map(|()| Self::Path(path)),
                 }
             }
-            Kind::None => {
+            MessageType::None => {
                 let none: NoneAnswer = read(text)?;
                 check_cpu(none.cpu_s).map(|()| Self::None(none))
             }
-            Kind::Answer => read(text).map(Self::Answer),
-            Kind::Line => read(text).map(Self::Line),
+            MessageType::ModuleAnswer => read(text).map(Self::ModuleAnswer),
+            MessageType::Line => read(text).map(Self::Line),
         }
     }
 }

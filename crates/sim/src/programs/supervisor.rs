@@ -142,14 +142,14 @@ pub fn set_command(command: Vec<OsString>) {
 
 /// The limits that a supervisor watches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct ProcessLimits {
     /// In megabytes, of all processes together.
     pub memory_mb: u64,
     pub processes: usize,
 }
 
 /// Returns the command that starts a supervisor of a program, which is to work in this folder, with its arguments.
-pub fn command(limits: Limits, folder: &Path, program: &[OsString]) -> io::Result<Command> {
+pub fn command(limits: ProcessLimits, folder: &Path, program: &[OsString]) -> io::Result<Command> {
     if env::var_os(MARK).is_some() {
         let reason =
             "this is a supervisor already; the command that starts supervisors does not know its first argument";
@@ -173,7 +173,7 @@ pub fn command(limits: Limits, folder: &Path, program: &[OsString]) -> io::Resul
 /// Every program that starts supervisors by itself calls this before anything else.
 pub fn run_if_requested(arguments: &[OsString]) -> Option<u8> {
     let (word, arguments) = arguments.split_first()?;
-    (word == WORD).then(|| match Task::from_arguments(arguments).and_then(|task| supervise(&task)) {
+    (word == WORD).then(|| match SupervisorTask::from_arguments(arguments).and_then(|task| supervise(&task)) {
         Ok(()) => 0,
         Err(error) => {
             let _ = writeln!(io::stderr(), "{WORD} is for this program's own use: {error}");
@@ -182,14 +182,14 @@ pub fn run_if_requested(arguments: &[OsString]) -> Option<u8> {
     })
 }
 
-struct Task<'a> {
-    limits: Limits,
+struct SupervisorTask<'a> {
+    limits: ProcessLimits,
     folder: &'a Path,
     program: &'a OsString,
     arguments: &'a [OsString],
 }
 
-impl<'a> Task<'a> {
+impl<'a> SupervisorTask<'a> {
     fn from_arguments(arguments: &'a [OsString]) -> io::Result<Self> {
         let [memory_mb, processes, folder, program, arguments @ ..] = arguments else {
             return Err(io::Error::other("expected limits, a folder and a program"));
@@ -197,12 +197,12 @@ impl<'a> Task<'a> {
         let number = |word: &OsString| word.to_str().and_then(|word| word.parse().ok());
         let limits = number(memory_mb).zip(number(processes));
         let (memory_mb, processes) = limits.ok_or_else(|| io::Error::other("expected two numbers"))?;
-        let limits = Limits { memory_mb, processes: processes as usize };
+        let limits = ProcessLimits { memory_mb, processes: processes as usize };
         Ok(Self { limits, folder: Path::new(folder), program, arguments })
     }
 }
 
-fn supervise(task: &Task<'_>) -> io::Result<()> {
+fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
     let control = UnixStream::from(io::stderr().as_fd().try_clone_to_owned()?);
     control.peer_addr()?;
     control.set_nonblocking(true)?;
@@ -238,7 +238,7 @@ fn supervise(task: &Task<'_>) -> io::Result<()> {
         let counter = Arc::clone(&counter);
         thread::Builder::new().spawn(move || hand_on(stderr, &outbox, &counter))
     });
-    let mut watch = Watch {
+    let mut watch = ProcessWatch {
         control: Some(control),
         orders: Vec::new(),
         child_ended,
@@ -377,7 +377,7 @@ fn line_of_limited_length(reader: &mut impl BufRead) -> Option<String> {
 }
 
 /// The program and its descendants, from its start to the end of the last of them.
-struct Watch {
+struct ProcessWatch {
     /// Until we have closed our end.
     control: Option<UnixStream>,
     /// The beginning of an order.
@@ -387,7 +387,7 @@ struct Watch {
     outbox: Arc<SendBuffer>,
     /// Lines of stderr in this run.
     stderr_lines: Arc<Mutex<u64>>,
-    limits: Limits,
+    limits: ProcessLimits,
     family: ProcessTree,
     /// The program, whose number is that of its group too.
     pid: Pid,
@@ -397,7 +397,7 @@ struct Watch {
     killing: Option<WallStopwatch>,
 }
 
-impl Watch {
+impl ProcessWatch {
     fn until_all_are_gone(&mut self) {
         while self.reap() && !self.has_timed_out() {
             self.look();

@@ -11,12 +11,12 @@ use super::wording::KeyOrValue;
 const MAX_STEPS: usize = 8;
 
 /// Changes that were made, in their order.
-pub(super) struct Changes(Vec<Change>);
+pub(super) struct SettingChanges(Vec<SettingChange>);
 
-impl Changes {
+impl SettingChanges {
     /// Makes changes, `path=value`, to what a file says.
     pub fn make(options: &[String], root: &mut Value) -> Result<Self, Box<ScenarioError>> {
-        options.iter().map(|option| Change::make(option, root)).collect::<Result<_, _>>().map(Self)
+        options.iter().map(|option| SettingChange::make(option, root)).collect::<Result<_, _>>().map(Self)
     }
 
     fn paths(&self) -> impl Iterator<Item = &FieldPath> {
@@ -35,7 +35,7 @@ impl Changes {
 
     /// Returns the location of a value in the last change that touches it.
     pub fn location(&self, path: &FieldPath, side: KeyOrValue) -> Option<SourceLocation> {
-        let touch = |change: &'_ Change| {
+        let touch = |change: &'_ SettingChange| {
             change.set.iter().find(|set| path.starts_with(set) || set.starts_with(path)).map(|set| set.0.len())
         };
         let (change, depth) = self.0.iter().rev().find_map(|change| Some((change, touch(change)?)))?;
@@ -46,7 +46,7 @@ impl Changes {
 }
 
 /// A change as it was asked for, and the paths of the values that it set.
-struct Change {
+struct SettingChange {
     option: String,
     /// Offset of the value within the option, in bytes.
     value_at: usize,
@@ -54,7 +54,7 @@ struct Change {
     set: Vec<FieldPath>,
 }
 
-impl Change {
+impl SettingChange {
     /// Makes a change.
     ///
     /// The value is read as TOML where it is valid TOML, and as a text where it is not. A path that names a list without

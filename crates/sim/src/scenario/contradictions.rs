@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::change::Changes;
+use super::change::SettingChanges;
 use super::error::Fault;
 use super::path::FieldPath;
 use wildfire_planning::registry::ALTERNATIVES;
@@ -105,7 +105,7 @@ fn found_in(written: &Value) -> Vec<Contradiction> {
 }
 
 /// Removes the values of a file that a change of another value contradicts.
-pub(super) fn drop_overruled(written: &mut Value, changes: &Changes) {
+pub(super) fn drop_overruled(written: &mut Value, changes: &SettingChanges) {
     for Contradiction { one, other, is_mutual, .. } in found_in(written) {
         match (changes.touch(&one), changes.touch(&other)) {
             (true, false) if is_mutual => other.remove_from(written),

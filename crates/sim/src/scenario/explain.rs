@@ -18,7 +18,7 @@ use wildfire_base::geometry::Cell;
 /// takes beside its limit, and warnings. No line is wider than a terminal.
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     let scenario = &loaded.scenario;
-    let values = Values::new(loaded);
+    let values = ScenarioValues::new(loaded);
     let section = |title: &str, lines: Vec<String>| [Block::Heading(title.into()), Block::List(lines)];
     let title = format!("{}: {} s of simulated time at most.", scenario.name, scenario.duration_s);
     let mut document = Document::new(title);
@@ -91,12 +91,12 @@ struct ListedValue {
 }
 
 /// All values of a scenario, and the schema that says what they mean.
-struct Values {
+struct ScenarioValues {
     all: Vec<ListedValue>,
     schema: Json,
 }
 
-impl Values {
+impl ScenarioValues {
     fn new(loaded: &LoadedScenario) -> Self {
         let values = loaded.values().into_iter().filter(|(_, value)| value != "[]");
         Self {
@@ -157,7 +157,7 @@ impl Values {
 }
 
 /// Lists the values of the agents of a kind, those that all have once, and what follows from them.
-fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Values) -> Vec<String> {
+fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &ScenarioValues) -> Vec<String> {
     if agents.len() == 0 {
         return vec!["None.".to_owned()];
     }

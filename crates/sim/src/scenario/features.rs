@@ -251,13 +251,13 @@ fn cells_near(frame: &FieldFrame, centre: DVec2, reach_m: f64) -> impl Iterator<
 }
 
 /// The cells of a river, and the middle of its water in each step along it.
-struct Course {
+struct RiverCourse {
     cells: Vec<usize>,
 }
 
 impl River {
     /// Draws a course that keeps away from starts; `None` if none is found.
-    fn course(&self, frame: &FieldFrame, rng: &mut impl Rng, free: &RiverExclusion) -> Option<Course> {
+    fn course(&self, frame: &FieldFrame, rng: &mut impl Rng, free: &RiverExclusion) -> Option<RiverCourse> {
         let clearance = |cells: &[usize]| {
             let half = 0.5 * frame.cell_m;
             free.centres.iter().all(|&centre| {
@@ -272,7 +272,7 @@ impl River {
             // A field may hold its starts so that the middle never works: later tries look farther aside.
             let aside = 0.2 * (rng.random::<f64>() - 0.5);
             let cells = self.water(frame, phases, aside);
-            clearance(&cells).then_some(Course { cells })
+            clearance(&cells).then_some(RiverCourse { cells })
         })
     }
 
@@ -323,7 +323,7 @@ impl River {
     }
 
     /// Lists the cells of bridges.
-    fn bridges<'a>(&self, frame: &'a FieldFrame, course: &'a Course) -> impl Iterator<Item = usize> + use<'a> {
+    fn bridges<'a>(&self, frame: &'a FieldFrame, course: &'a RiverCourse) -> impl Iterator<Item = usize> + use<'a> {
         let length = f64::from(self.sides(frame).0) * frame.cell_m;
         let count = f64::from(self.bridges);
         let middles: Vec<f64> = (0..self.bridges).map(|number| length * (f64::from(number) + 0.5) / count).collect();

@@ -45,10 +45,10 @@ const TYPES: [&str; 9] = [
 /// Says whether a JSON text is GeoJSON: its `type` is one of the format's.
 pub(super) fn is_geojson(text: &str) -> bool {
     #[derive(Deserialize)]
-    struct Kind {
+    struct GeometryKind {
         r#type: String,
     }
-    serde_json::from_str(text).is_ok_and(|kind: Kind| TYPES.contains(&kind.r#type.as_str()))
+    serde_json::from_str(text).is_ok_and(|kind: GeometryKind| TYPES.contains(&kind.r#type.as_str()))
 }
 
 /// A field with its bushes, and the number of objects that were passed over.
@@ -318,7 +318,7 @@ impl<'de> Visitor<'de> for Member<'_> {
                 "type" => kind = map.next_value()?,
                 "coordinates" => level = map.next_value_seed(Nest { shapes, depth: 0 })?.level(),
                 "geometry" => map.next_value_seed(Member(shapes))?,
-                "features" | "geometries" => map.next_value_seed(Members(shapes))?,
+                "features" | "geometries" => map.next_value_seed(GeometryMembers(shapes))?,
                 "crs" => shapes.crs = map.next_value::<Option<Crs>>()?.map(Crs::into_name),
                 _ => {
                     map.next_value::<IgnoredAny>()?;
@@ -369,9 +369,9 @@ impl Crs {
 }
 
 /// Reads a list of objects.
-struct Members<'a>(&'a mut Shapes);
+struct GeometryMembers<'a>(&'a mut Shapes);
 
-impl<'de> DeserializeSeed<'de> for Members<'_> {
+impl<'de> DeserializeSeed<'de> for GeometryMembers<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -379,7 +379,7 @@ impl<'de> DeserializeSeed<'de> for Members<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Members<'_> {
+impl<'de> Visitor<'de> for GeometryMembers<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {

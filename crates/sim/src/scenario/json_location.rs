@@ -11,7 +11,7 @@ use super::path::{FieldPath, PathStep};
 /// Finds the first character of the value that a path leads to, or of the last value on the way that exists.
 pub fn locate(text: &str, path: &FieldPath) -> Range<usize> {
     let mut json = serde_json::Deserializer::from_str(text);
-    let Err(halt) = Walk(&path.0).deserialize(&mut json) else { return 0..0 };
+    let Err(halt) = LocationWalk(&path.0).deserialize(&mut json) else { return 0..0 };
     let before = offset(text, halt.line(), halt.column());
     // The parser halts in front of the value, at the latest on the colon or comma before it.
     let gap = text[before..].find(|letter: char| !(letter.is_whitespace() || letter == ':' || letter == ','));
@@ -35,9 +35,9 @@ pub fn character_at(text: &str, at: usize) -> Range<usize> {
 }
 
 /// The steps still to be taken. The walk halts at its end by an error, since only errors carry line and column.
-struct Walk<'p>(&'p [PathStep]);
+struct LocationWalk<'p>(&'p [PathStep]);
 
-impl<'de> DeserializeSeed<'de> for Walk<'_> {
+impl<'de> DeserializeSeed<'de> for LocationWalk<'_> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -45,7 +45,7 @@ impl<'de> DeserializeSeed<'de> for Walk<'_> {
     }
 }
 
-impl<'de> Visitor<'de> for Walk<'_> {
+impl<'de> Visitor<'de> for LocationWalk<'_> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -55,7 +55,7 @@ impl<'de> Visitor<'de> for Walk<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(key) = map.next_key::<String>()? {
             match self.0.split_first() {
-                Some((PathStep::Key(name), rest)) if *name == key => return map.next_value_seed(Walk(rest)),
+                Some((PathStep::Key(name), rest)) if *name == key => return map.next_value_seed(LocationWalk(rest)),
                 _ => map.next_value::<IgnoredAny>()?,
             };
         }
@@ -69,7 +69,7 @@ impl<'de> Visitor<'de> for Walk<'_> {
         for _ in 0..*index {
             seq.next_element::<IgnoredAny>()?;
         }
-        seq.next_element_seed(Walk(rest))?.ok_or_else(|| A::Error::custom("no such element"))
+        seq.next_element_seed(LocationWalk(rest))?.ok_or_else(|| A::Error::custom("no such element"))
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use super::change::Changes;
+use super::change::SettingChanges;
 use super::check::{TablePath, ValidationError};
 use super::contradictions::{self, GENERATED_ONLY};
 use super::copies::AgentExpansion;
@@ -69,7 +69,7 @@ impl LoadedScenario {
     /// Fails as [`Self::open`] does.
     pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         let mut written = Value::Table(parse(source)?);
-        let changes = Changes::make(changes, &mut written)?;
+        let changes = SettingChanges::make(changes, &mut written)?;
         drop_sign_of_zero(&mut written);
         contradictions::drop_overruled(&mut written, &changes);
         let mut text = WrittenScenario { source, changes, copies: AgentExpansion::default() };
@@ -142,7 +142,7 @@ fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
 /// A scenario as it was written: in its file, and in changes of the command line.
 struct WrittenScenario<'a> {
     source: &'a ScenarioText,
-    changes: Changes,
+    changes: SettingChanges,
     /// The entries that agents are written in, once they are known.
     copies: AgentExpansion,
 }

@@ -85,7 +85,7 @@ impl Problem {
 
 /// The members that are read beside those of the map.
 #[derive(Deserialize)]
-struct Members {
+struct ProblemMembers {
     field: Option<Name>,
     vehicle: Option<VehicleMembers>,
     #[serde(deserialize_with = "list_of_at_most::<MAX_NUMBERS, _, _>")]
@@ -135,14 +135,14 @@ struct VehicleMembers {
 #[derive(Deserialize)]
 struct GoalMembers {
     /// x, y, heading.
-    pose: Option<Numbers>,
+    pose: Option<NumberList>,
     /// x, y, radius.
-    disc: Option<Numbers>,
+    disc: Option<NumberList>,
 }
 
 #[derive(Deserialize)]
 #[serde(transparent)]
-struct Numbers(#[serde(deserialize_with = "list_of_at_most::<MAX_NUMBERS, _, _>")] Vec<Option<f64>>);
+struct NumberList(#[serde(deserialize_with = "list_of_at_most::<MAX_NUMBERS, _, _>")] Vec<Option<f64>>);
 
 type ReadResult<T> = Result<T, Box<ScenarioError>>;
 
@@ -177,7 +177,7 @@ impl ProblemFile<'_> {
         })
     }
 
-    fn members(&self) -> ReadResult<Members> {
+    fn members(&self) -> ReadResult<ProblemMembers> {
         // A list would be read as the members in their order.
         let start = self.text.len() - self.text.trim_start().len();
         if !self.text[start..].starts_with('{') {
@@ -218,11 +218,11 @@ impl ProblemFile<'_> {
 
     fn goal(&self, path: &FieldPath, goal: &GoalMembers) -> ReadResult<Goal> {
         match (&goal.pose, &goal.disc) {
-            (Some(Numbers(pose)), None) => {
+            (Some(NumberList(pose)), None) => {
                 let [x, y, heading] = self.three_numbers(&path.join(PathStep::key("pose")), pose)?;
                 Ok(Goal::Pose(Pose::new(x, y, heading)))
             }
-            (None, Some(Numbers(disc))) => {
+            (None, Some(NumberList(disc))) => {
                 let path = path.join(PathStep::key("disc"));
                 let [x, y, radius_m] = self.three_numbers(&path, disc)?;
                 self.located(check::check_number(path.join(PathStep::Index(2)), radius_m, 0.0..=LARGEST))?;

@@ -72,7 +72,7 @@ fn start_s(settings: &WeatherSettings) -> f64 {
 
 /// What a column of a stream measures.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Quantity {
+enum StreamQuantity {
     Speed,
     From,
     Temperature,
@@ -83,8 +83,8 @@ enum Quantity {
 }
 
 /// Lists what a run needs, the sun last: from radiation or else from clouds.
-fn needed_quantities(dead_moisture: DeadMoisture) -> &'static [Quantity] {
-    use Quantity::{From, Humidity, Rain, Solar, Speed, Temperature};
+fn needed_quantities(dead_moisture: DeadMoisture) -> &'static [StreamQuantity] {
+    use StreamQuantity::{From, Humidity, Rain, Solar, Speed, Temperature};
     match dead_moisture {
         DeadMoisture::Fixed => &[Speed, From],
         DeadMoisture::Tables => &[Speed, From, Temperature, Humidity],
@@ -94,7 +94,7 @@ fn needed_quantities(dead_moisture: DeadMoisture) -> &'static [Quantity] {
 
 /// How the numbers of a unit become those that runs use: degrees Celsius, percent, m/s at 10 m, mm, W/m2, degrees.
 #[derive(Clone, Copy)]
-enum Scale {
+enum UnitScale {
     Times(f64),
     Fahrenheit,
     Kelvin,
@@ -102,7 +102,7 @@ enum Scale {
     TwentyFootMph,
 }
 
-impl Scale {
+impl UnitScale {
     fn convert(self, number: f64) -> f64 {
         match self {
             Self::Times(factor) => number * factor,
@@ -114,10 +114,10 @@ impl Scale {
 }
 
 /// A unit and how programs write it, without blanks, brackets and capitals.
-struct Unit {
+struct StreamUnit {
     name: &'static str,
     spellings: &'static [&'static str],
-    scale: Scale,
+    scale: UnitScale,
 }
 
 /// A quantity in the three formats.
@@ -125,7 +125,7 @@ struct QuantityFormat {
     csv: &'static str,
     fw21: &'static str,
     /// The units of FW21; the first one is taken where none is written.
-    units: &'static [Unit],
+    units: &'static [StreamUnit],
     /// The column of `.wxs`.
     wxs: Option<usize>,
     /// What its numbers can be, in the units of runs.
@@ -133,12 +133,13 @@ struct QuantityFormat {
     unit: &'static str,
 }
 
-const fn unit(name: &'static str, spellings: &'static [&'static str], scale: Scale) -> Unit {
-    Unit { name, spellings, scale }
+const fn unit(name: &'static str, spellings: &'static [&'static str], scale: UnitScale) -> StreamUnit {
+    StreamUnit { name, spellings, scale }
 }
 
-const PERCENT: Unit = unit("%", &["%", "percent", "pct"], Scale::Times(1.0));
-const DEGREES: Unit = unit("degrees", &["degrees", "degree", "deg", "degt", "degreestrue"], Scale::Times(1.0));
+const PERCENT: StreamUnit = unit("%", &["%", "percent", "pct"], UnitScale::Times(1.0));
+const DEGREES: StreamUnit =
+    unit("degrees", &["degrees", "degree", "deg", "degt", "degreestrue"], UnitScale::Times(1.0));
 
 /// All quantities, in their order. NFDRS4 gives the bounds of temperature from above and of rain: 140 F, 20 inches an hour.
 static QUANTITIES: [QuantityFormat; 7] = [
@@ -149,12 +150,12 @@ static QUANTITIES: [QuantityFormat; 7] = [
             unit(
                 "mph (at 20 ft)",
                 &["mph", "mi/h", "mi/hr", "miles/h", "miles/hour", "milesperhour"],
-                Scale::TwentyFootMph,
+                UnitScale::TwentyFootMph,
             ),
             unit(
                 "km/h (at 10 m)",
                 &["km/h", "kph", "kmh", "kmph", "km/hr", "kmhr", "km/hour", "kilometersperhour", "kilometresperhour"],
-                Scale::Times(1.0 / 3.6),
+                UnitScale::Times(1.0 / 3.6),
             ),
         ],
         wxs: Some(7),
@@ -173,9 +174,9 @@ static QUANTITIES: [QuantityFormat; 7] = [
         csv: "temperature_c",
         fw21: "Temperature",
         units: &[
-            unit("F", &["f", "degf", "degreesf", "fahrenheit", "degreesfahrenheit"], Scale::Fahrenheit),
-            unit("C", &["c", "degc", "degreesc", "celsius", "degreescelsius", "centigrade"], Scale::Times(1.0)),
-            unit("K", &["k", "degk", "kelvin"], Scale::Kelvin),
+            unit("F", &["f", "degf", "degreesf", "fahrenheit", "degreesfahrenheit"], UnitScale::Fahrenheit),
+            unit("C", &["c", "degc", "degreesc", "celsius", "degreescelsius", "centigrade"], UnitScale::Times(1.0)),
+            unit("K", &["k", "degk", "kelvin"], UnitScale::Kelvin),
         ],
         wxs: Some(4),
         range: [-80.0, 60.0],
@@ -193,9 +194,9 @@ static QUANTITIES: [QuantityFormat; 7] = [
         csv: "rain_mm",
         fw21: "Precipitation",
         units: &[
-            unit("in", &["in", "inch", "inches"], Scale::Times(25.4)),
-            unit("mm", &["mm", "millimeter", "millimeters", "millimetre", "millimetres"], Scale::Times(1.0)),
-            unit("cm", &["cm", "centimeter", "centimeters", "centimetre", "centimetres"], Scale::Times(10.0)),
+            unit("in", &["in", "inch", "inches"], UnitScale::Times(25.4)),
+            unit("mm", &["mm", "millimeter", "millimeters", "millimetre", "millimetres"], UnitScale::Times(1.0)),
+            unit("cm", &["cm", "centimeter", "centimeters", "centimetre", "centimetres"], UnitScale::Times(10.0)),
         ],
         wxs: Some(6),
         range: [0.0, 508.0],
@@ -204,7 +205,11 @@ static QUANTITIES: [QuantityFormat; 7] = [
     QuantityFormat {
         csv: "solar_w_m2",
         fw21: "SolarRadiation",
-        units: &[unit("W/m2", &["w/m2", "w/m^2", "wm2", "wm-2", "w/sqm", "watts/m2", "watts/m^2"], Scale::Times(1.0))],
+        units: &[unit(
+            "W/m2",
+            &["w/m2", "w/m^2", "wm2", "wm-2", "w/sqm", "watts/m2", "watts/m^2"],
+            UnitScale::Times(1.0),
+        )],
         wxs: None,
         range: [0.0, 2000.0],
         unit: "W/m2",
@@ -236,14 +241,14 @@ struct StreamFormat<'a> {
     table: CsvTable<'a>,
     time: TimeFormat,
     /// The column of each quantity, and its scale.
-    columns: [Option<(usize, Scale)>; 7],
+    columns: [Option<(usize, UnitScale)>; 7],
     /// The column that names the station.
     station: Option<usize>,
     notes: Vec<String>,
 }
 
 impl<'a> StreamFormat<'a> {
-    fn detect(path: &Path, text: &'a str, needed: &[Quantity]) -> Result<Self, String> {
+    fn detect(path: &Path, text: &'a str, needed: &[StreamQuantity]) -> Result<Self, String> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let is_start = |word: &str| text.trim_start().get(..word.len()).is_some_and(|it| it.eq_ignore_ascii_case(word));
         let other = match extension.as_str() {
@@ -268,8 +273,8 @@ impl<'a> StreamFormat<'a> {
         if is_fw21 || extension == "fw21" { Self::fw21(table, needed) } else { Self::csv(table, needed) }
     }
 
-    fn csv(table: CsvTable<'a>, needed: &[Quantity]) -> Result<Self, String> {
-        let column = |it: &QuantityFormat| Some((table.column(it.csv)?, Scale::Times(1.0)));
+    fn csv(table: CsvTable<'a>, needed: &[StreamQuantity]) -> Result<Self, String> {
+        let column = |it: &QuantityFormat| Some((table.column(it.csv)?, UnitScale::Times(1.0)));
         let columns = QUANTITIES.each_ref().map(column);
         let time = table.column("time").ok_or("time");
         let column = require(&table, time, &columns, needed, |it| it.csv)?;
@@ -277,7 +282,7 @@ impl<'a> StreamFormat<'a> {
         Ok(Self { time, columns, station: None, notes: Vec::new(), table })
     }
 
-    fn fw21(table: CsvTable<'a>, needed: &[Quantity]) -> Result<Self, String> {
+    fn fw21(table: CsvTable<'a>, needed: &[StreamQuantity]) -> Result<Self, String> {
         let rest_of = |index: usize, start: &str| bare(table.names[index]).strip_prefix(start).map(str::to_owned);
         let indices = 0..table.names.len();
         let mut notes = Vec::new();
@@ -341,32 +346,32 @@ impl<'a> StreamFormat<'a> {
         let table = CsvTable::with_names(path, WXS.to_vec(), None, text, header.count())?;
         // In the order of quantities; the last two need none.
         let [speed, temperature, rain] = match is_metric {
-            Some(true) => [Scale::Times(1.0 / 3.6), Scale::Times(1.0), Scale::Times(1.0)],
-            _ => [Scale::TwentyFootMph, Scale::Fahrenheit, Scale::Times(25.4)],
+            Some(true) => [UnitScale::Times(1.0 / 3.6), UnitScale::Times(1.0), UnitScale::Times(1.0)],
+            _ => [UnitScale::TwentyFootMph, UnitScale::Fahrenheit, UnitScale::Times(25.4)],
         };
-        let scales = [speed, Scale::Times(1.0), temperature, Scale::Times(1.0), rain];
+        let scales = [speed, UnitScale::Times(1.0), temperature, UnitScale::Times(1.0), rain];
         notes.push(match is_metric {
             Some(true) => "Its units are metric: Celsius, mm, km/h at 10 m.".to_owned(),
             Some(false) => "Its units are English: Fahrenheit, inches, mph at 20 ft.".to_owned(),
             None => "It has no RAWS_UNITS; English units are taken: Fahrenheit, inches, mph at 20 ft.".to_owned(),
         });
-        let mut columns = QUANTITIES.each_ref().map(|it| it.wxs.map(|index| (index, Scale::Times(1.0))));
+        let mut columns = QUANTITIES.each_ref().map(|it| it.wxs.map(|index| (index, UnitScale::Times(1.0))));
         for (column, scale) in columns.iter_mut().zip(scales) {
             *column = column.map(|(index, _)| (index, scale));
         }
         Ok(Self { time: TimeFormat::Wxs, columns, station: None, notes, table })
     }
 
-    fn has(&self, quantity: Quantity) -> bool {
+    fn has(&self, quantity: StreamQuantity) -> bool {
         self.columns[quantity as usize].is_some()
     }
 
     /// Returns a number of a row in the unit of runs.
-    fn number(&self, row: &CsvRow<'_>, quantity: Quantity) -> Result<f64, String> {
+    fn number(&self, row: &CsvRow<'_>, quantity: StreamQuantity) -> Result<f64, String> {
         let (column, scale) = self.columns[quantity as usize].expect("columns are required before");
         let QuantityFormat { range: [mut min, max], unit, .. } = QUANTITIES[quantity as usize];
         // Azimuths of CSV files may go the other way around.
-        if quantity == Quantity::From && self.table.column("from_deg").is_some() {
+        if quantity == StreamQuantity::From && self.table.column("from_deg").is_some() {
             min = -max;
         }
         let number = row.cell(column).parse::<f64>().ok().map(|number| scale.convert(number + 0.0));
@@ -441,13 +446,14 @@ impl<'a> StreamFormat<'a> {
 fn require(
     table: &CsvTable<'_>,
     time: Result<usize, &str>,
-    columns: &[Option<(usize, Scale)>; 7],
-    needed: &[Quantity],
+    columns: &[Option<(usize, UnitScale)>; 7],
+    needed: &[StreamQuantity],
     name: fn(&QuantityFormat) -> &'static str,
 ) -> Result<usize, String> {
     // Clouds replace radiation.
-    let is_there = |it: Quantity| {
-        columns[it as usize].is_some() || it == Quantity::Solar && columns[Quantity::Cloud as usize].is_some()
+    let is_there = |it: StreamQuantity| {
+        columns[it as usize].is_some()
+            || it == StreamQuantity::Solar && columns[StreamQuantity::Cloud as usize].is_some()
     };
     let missing = needed.iter().filter(|it| !is_there(**it)).map(|it| name(&QUANTITIES[*it as usize]));
     let missing: Vec<&str> = time.err().into_iter().chain(missing).collect();
@@ -621,7 +627,7 @@ impl<'a> WeatherStream<'a> {
         let rows = format.read_rows(start_s, duration_s, dead)?;
         let mut stream = Self { format, first: rows.partition_point(|row| row.at_s <= start_s) - 1, rows };
         stream.format.table.check_count(stream.rows.len() - stream.first)?;
-        let is_sun_computed = dead == DeadMoisture::Nelson && !stream.format.has(Quantity::Solar);
+        let is_sun_computed = dead == DeadMoisture::Nelson && !stream.format.has(StreamQuantity::Solar);
         stream.set_local_times(settings.utc_offset_h, is_sun_computed || dead == DeadMoisture::Tables)?;
         stream.note_end(start_s + duration_s);
         Ok(stream)
@@ -670,8 +676,8 @@ impl<'a> WeatherStream<'a> {
         let mut from_deg = 0.0;
         let mut winds = Vec::with_capacity(self.rows.len() - self.first);
         for row in &self.rows[self.first..] {
-            let speed_mps = self.format.number(&row.row, Quantity::Speed)?;
-            match self.format.number(&row.row, Quantity::From) {
+            let speed_mps = self.format.number(&row.row, StreamQuantity::Speed)?;
+            match self.format.number(&row.row, StreamQuantity::From) {
                 Ok(found) => from_deg = found,
                 // Stations give calm air no direction.
                 Err(_) if speed_mps == 0.0 => {}
@@ -688,8 +694,8 @@ impl<'a> WeatherStream<'a> {
 
     fn by_tables(&self) -> Result<Vec<[f64; 3]>, String> {
         let moisture = |row: &StreamRow<'_>| -> Result<[f64; 3], String> {
-            let temperature_c = self.format.number(&row.row, Quantity::Temperature)?;
-            let humidity = self.format.number(&row.row, Quantity::Humidity)? / 100.0;
+            let temperature_c = self.format.number(&row.row, StreamQuantity::Temperature)?;
+            let humidity = self.format.number(&row.row, StreamQuantity::Humidity)? / 100.0;
             let fine = fine_dead_moisture(temperature_c, humidity, row.month(), row.hour() as u32);
             Ok([fine, fine + 0.01, fine + 0.02])
         };
@@ -707,19 +713,19 @@ impl<'a> WeatherStream<'a> {
             if !is_hourly {
                 return Err(format!("{name}: line {line}: expected an hour after the previous row, for sticks"));
             }
-            let solar_w_m2 = if format.has(Quantity::Solar) {
-                format.number(&row.row, Quantity::Solar)?
+            let solar_w_m2 = if format.has(StreamQuantity::Solar) {
+                format.number(&row.row, StreamQuantity::Solar)?
             } else {
                 let expected = "expected `weather.latitude_deg`, for the sun above them";
                 let latitude_deg =
                     latitude_deg.ok_or_else(|| format!("{name}: it has clouds and no radiation; {expected}"))?;
-                row.clear_sky_w_m2(latitude_deg) * through(format.number(&row.row, Quantity::Cloud)? / 100.0)
+                row.clear_sky_w_m2(latitude_deg) * through(format.number(&row.row, StreamQuantity::Cloud)? / 100.0)
             };
             let air = Air {
-                temperature_c: format.number(&row.row, Quantity::Temperature)?,
-                humidity: (format.number(&row.row, Quantity::Humidity)? / 100.0).max(0.01),
+                temperature_c: format.number(&row.row, StreamQuantity::Temperature)?,
+                humidity: (format.number(&row.row, StreamQuantity::Humidity)? / 100.0).max(0.01),
                 solar_w_m2,
-                rain_cm: format.number(&row.row, Quantity::Rain)? / 10.0,
+                rain_cm: format.number(&row.row, StreamQuantity::Rain)? / 10.0,
             };
             moistures.push(sticks.each_mut().map(|stick| {
                 stick.advance_hour(&air);

@@ -16,7 +16,7 @@ use wildfire_base::or_none;
 use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
-use wildfire_planning::walk::{Estimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
+use wildfire_planning::walk::{CostToGoEstimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
 use wildfire_planning::{SafetyMap, SafetySettings};
 
 /// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
@@ -109,8 +109,8 @@ impl Wumpus {
         match self.planner {
             WumpusPlanner::Astar => WalkMethod::Astar {
                 estimate: match self.heuristic {
-                    WumpusHeuristic::Octile => Estimate::Octile,
-                    WumpusHeuristic::ParentEuclidean => Estimate::ParentEuclidean,
+                    WumpusHeuristic::Octile => CostToGoEstimate::Octile,
+                    WumpusHeuristic::ParentEuclidean => CostToGoEstimate::ParentEuclidean,
                 },
                 weight: self.heuristic_weight,
             },

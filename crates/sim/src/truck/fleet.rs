@@ -169,7 +169,7 @@ pub fn lose_goal(mut fleet: Fleet) {
 }
 
 /// A stop at a fire.
-struct Stop {
+struct FireStop {
     by: AgentId,
     goal: Cell,
     /// Where the truck's body centre is, and how far it reaches around it.
@@ -179,7 +179,7 @@ struct Stop {
     wets: Option<SimTime>,
 }
 
-impl Stop {
+impl FireStop {
     fn new(agent: &Agent, truck: &Truck, goal: Cell) -> Self {
         let centre = truck.body.body_centre(agent.trajectory.end());
         let &Truck { reach_m, extinguishes_all, wets, .. } = truck;
@@ -221,7 +221,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
         let goal = agent.goal.take().expect("a truck that suppresses has a goal");
         agent.activity = Activity::Idle;
         agent.reconsider(wake.agent, now, &mut fleet.queue);
-        stops.push((Stop::new(&agent, &truck, goal), truck.extinguish_set.take()));
+        stops.push((FireStop::new(&agent, &truck, goal), truck.extinguish_set.take()));
     }
     let field = &fires.field;
     let frame = fires.field.frame();
@@ -257,7 +257,7 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
         let cell = agent.goal.expect("a truck drives to a goal");
         let mut water_units = 1;
         if let (Some(needs), Some(left)) = (&fleet.needs, agent.stops_left) {
-            let stop = Stop::new(&agent, &truck, cell);
+            let stop = FireStop::new(&agent, &truck, cell);
             let mut others: Vec<Cell> = stop.others(field).collect();
             let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
             others.sort_by(|a, b| away(a).total_cmp(&away(b)));

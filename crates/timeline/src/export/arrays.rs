@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::zip::ZipWriter;
-use super::{CellChange, ExportError, Sampling, cell_changes};
+use super::{ExportError, ExportedChange, Sampling, cell_changes};
 use crate::{Activity, AgentFact, Fact, FollowedLeg, Replay, RunIndex, Setting, Timeline};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::npy::{NpyValue, npy_header};
@@ -36,7 +36,7 @@ mod motion {
 pub fn write_npz(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> Result<(), ExportError> {
     sampling.check_count()?;
     let index = RunIndex::new(timeline);
-    let mut arrays = Arrays(ZipWriter::new(to));
+    let mut arrays = ArrayFile(ZipWriter::new(to));
     write_setting(&mut arrays, &timeline.setting, index.end_time())?;
     write_samples(&mut arrays, timeline, sampling)?;
     write_changes(&mut arrays, &cell_changes(&index))?;
@@ -44,7 +44,7 @@ pub fn write_npz(timeline: &Timeline, sampling: &Sampling, to: impl Write) -> Re
     Ok(arrays.0.finish()?)
 }
 
-fn write_setting<W: Write>(arrays: &mut Arrays<W>, setting: &Setting, end: SimTime) -> io::Result<()> {
+fn write_setting<W: Write>(arrays: &mut ArrayFile<W>, setting: &Setting, end: SimTime) -> io::Result<()> {
     let frame = setting.frame;
     arrays.text("scenario", &setting.scenario)?;
     arrays.text("program_version", &setting.program_version)?;
@@ -69,7 +69,7 @@ fn write_setting<W: Write>(arrays: &mut Arrays<W>, setting: &Setting, end: SimTi
     Ok(())
 }
 
-fn write_samples<W: Write>(arrays: &mut Arrays<W>, timeline: &Timeline, sampling: &Sampling) -> io::Result<()> {
+fn write_samples<W: Write>(arrays: &mut ArrayFile<W>, timeline: &Timeline, sampling: &Sampling) -> io::Result<()> {
     let agents = sampling.agents();
     let times = sampling.times().collect::<Vec<_>>();
     let names: Vec<String> = agents.iter().map(|&agent| timeline.setting.agents[agent].id.to_string()).collect();
@@ -100,14 +100,14 @@ fn write_samples<W: Write>(arrays: &mut Arrays<W>, timeline: &Timeline, sampling
     arrays.add("goals", &[shape[0], shape[1], 2], goals.into_iter().flatten())
 }
 
-fn write_changes<W: Write>(arrays: &mut Arrays<W>, changes: &[CellChange]) -> io::Result<()> {
+fn write_changes<W: Write>(arrays: &mut ArrayFile<W>, changes: &[ExportedChange]) -> io::Result<()> {
     arrays.texts("state_names", &BushStateKind::ALL.map(BushStateKind::name))?;
     arrays.add("change_times_s", &[changes.len()], changes.iter().map(|change| change.time.as_seconds()))?;
     arrays.add("change_cells", &[changes.len(), 2], changes.iter().flat_map(|change| pair(change.cell)))?;
     arrays.add("change_states", &[changes.len()], changes.iter().map(|change| change.state as u8))
 }
 
-fn write_legs<W: Write>(arrays: &mut Arrays<W>, index: &RunIndex<'_>, agents: &[usize]) -> io::Result<()> {
+fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents: &[usize]) -> io::Result<()> {
     let timeline = index.timeline();
     let legs: Vec<(usize, FollowedLeg)> = agents
         .iter()
@@ -159,9 +159,9 @@ fn numbers(pose: Pose) -> [f64; 3] {
 }
 
 /// The arrays of a file.
-struct Arrays<W>(ZipWriter<W>);
+struct ArrayFile<W>(ZipWriter<W>);
 
-impl<W: Write> Arrays<W> {
+impl<W: Write> ArrayFile<W> {
     /// Adds an array of this shape; of no sides it is one value.
     fn add<T: NpyValue>(&mut self, name: &str, shape: &[usize], values: impl IntoIterator<Item = T>) -> io::Result<()> {
         let mut bytes = Vec::new();

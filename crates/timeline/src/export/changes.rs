@@ -7,7 +7,7 @@ use wildfire_fire::BushStateKind;
 
 /// A cell that changes its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CellChange {
+pub struct ExportedChange {
     pub time: SimTime,
     pub cell: Cell,
     pub state: BushStateKind,
@@ -17,12 +17,12 @@ pub struct CellChange {
 /// ground by cell index.
 ///
 /// Cells that are not in it stay intact. When ground burns out is in it, though recordings leave it to the reader.
-pub fn cell_changes(index: &RunIndex<'_>) -> Vec<CellChange> {
+pub fn cell_changes(index: &RunIndex<'_>) -> Vec<ExportedChange> {
     let timeline = index.timeline();
     let end = index.end_time();
     let events = timeline.events.iter().take_while(|event| event.time <= end);
-    let bush = |(cell, state): (Cell, crate::BushState), time| CellChange { time, cell, state: state.kind() };
-    let mut changes: Vec<CellChange> =
+    let bush = |(cell, state): (Cell, crate::BushState), time| ExportedChange { time, cell, state: state.kind() };
+    let mut changes: Vec<ExportedChange> =
         events.filter_map(|event| Some(bush(event.bush_change()?, event.time))).collect();
     let Some(ground) = index.ground() else { return changes };
     let frame = timeline.setting.frame;
@@ -31,7 +31,7 @@ pub fn cell_changes(index: &RunIndex<'_>) -> Vec<CellChange> {
             let ended = if burning.is_extinguished { BushStateKind::Extinguished } else { BushStateKind::BurnedOut };
             let states = [(burning.ignited, BushStateKind::Burning), (burning.ends, ended)];
             let states = states.into_iter().filter(|(time, _)| *time <= end);
-            changes.extend(states.map(|(time, state)| CellChange { time, cell, state }));
+            changes.extend(states.map(|(time, state)| ExportedChange { time, cell, state }));
         }
     }
     // The sort is stable.

@@ -23,7 +23,7 @@ use thiserror::Error;
 use super::AgentId;
 
 pub use arrays::write_npz;
-pub use changes::{CellChange, cell_changes};
+pub use changes::{ExportedChange, cell_changes};
 pub use object::{schema, write_json};
 pub use sampling::{FINEST_STEP_S, MAX_SAMPLES, Sampling};
 pub use tables::{event_text, ground_event_text, write_events, write_trace};

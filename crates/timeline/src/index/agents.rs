@@ -72,7 +72,7 @@ impl FollowedLeg {
 
 /// The numbers of an agent until a time at which something changed, and its goal and leg from then on.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct AgentStep {
     time: SimTime,
     /// The distance is that of the legs that were over by then.
     stats: AgentStats,
@@ -85,7 +85,7 @@ struct Step {
 #[derive(Debug)]
 pub(super) struct AgentHistory {
     /// The first is at zero.
-    steps: Vec<Step>,
+    steps: Vec<AgentStep>,
     pub legs: Vec<FollowedLeg>,
     /// The times at which it began to suppress, with the cells.
     pub stops: Vec<(SimTime, Cell, u32)>,
@@ -105,13 +105,13 @@ impl AgentHistory {
             cells: 0,
             distance_m: 0.0,
         };
-        let first = Step { time: SimTime::ZERO, stats, goal: None, leg: None };
+        let first = AgentStep { time: SimTime::ZERO, stats, goal: None, leg: None };
         Self { steps: vec![first], legs: Vec::new(), stops: Vec::new(), searches: Vec::new() }
     }
 
     /// Returns the numbers up to `time`, which is not after the end.
     pub fn stats_at(&self, timeline: &Timeline, time: SimTime) -> AgentStats {
-        let Step { mut stats, leg, .. } = self.last_step(time).later(time);
+        let AgentStep { mut stats, leg, .. } = self.last_step(time).later(time);
         if let Some(leg) = leg {
             stats.distance_m += self.legs[leg].distance_m(timeline, time);
         }
@@ -120,7 +120,7 @@ impl AgentHistory {
 
     /// Returns the state at `time`, which is not after the end.
     pub fn state_at(&self, timeline: &Timeline, start: &AgentStart, time: SimTime) -> AgentState {
-        let &Step { stats, goal, leg, .. } = self.last_step(time);
+        let &AgentStep { stats, goal, leg, .. } = self.last_step(time);
         let leg = leg.map(|leg| self.legs[leg].trajectory(timeline));
         let (pose, speed_mps) = leg.map_or((start.pose, 0.0), |leg| leg.state_at(time));
         AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
@@ -131,12 +131,12 @@ impl AgentHistory {
         self.steps.iter().map(|step| step.time)
     }
 
-    fn last_step(&self, time: SimTime) -> &Step {
+    fn last_step(&self, time: SimTime) -> &AgentStep {
         &self.steps[self.steps.partition_point(|step| step.time <= time) - 1]
     }
 
     /// The step for a time that is not before the last one.
-    fn step(&mut self, time: SimTime) -> &mut Step {
+    fn step(&mut self, time: SimTime) -> &mut AgentStep {
         let last = self.steps[self.steps.len() - 1];
         if last.time < time {
             self.steps.push(last.later(time));
@@ -158,7 +158,7 @@ impl AgentHistory {
     }
 }
 
-impl Step {
+impl AgentStep {
     /// The same at a later time until which nothing changed.
     fn later(&self, time: SimTime) -> Self {
         let mut later = Self { time, ..*self };

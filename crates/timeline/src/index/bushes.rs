@@ -65,7 +65,7 @@ impl BushCounts {
 
 /// A change of a bush, by its place in the setting, with the place of the fact.
 #[derive(Clone, Copy, Debug)]
-struct Change {
+struct BushTransition {
     time: SimTime,
     bush: usize,
     to: BushState,
@@ -76,7 +76,7 @@ struct Change {
 #[derive(Debug)]
 pub(super) struct BushHistory {
     /// In order of time.
-    changes: Vec<Change>,
+    changes: Vec<BushTransition>,
     /// Bush, and the place of the fact that changed it; ascending.
     by_bush: Vec<(usize, usize)>,
     /// In order of time, the first at zero; each holds from its time on, after all facts of that time.
@@ -125,7 +125,7 @@ impl BushHistory {
         &self.counts[self.counts.len() - 1].1
     }
 
-    fn push(&mut self, change: Change, from: BushState, bushes: &[BushState]) {
+    fn push(&mut self, change: BushTransition, from: BushState, bushes: &[BushState]) {
         let mut counts = *self.last_counts();
         let from = from.kind() as usize;
         let to = change.to.kind() as usize;
@@ -186,7 +186,7 @@ impl BushReader {
     /// Records the effect of the fact at that place; `bushes` are as they are after it.
     pub fn record_change(&mut self, change: BushChange, now: SimTime, fact: usize, bushes: &[BushState]) {
         let BushChange { bush, from, to } = change;
-        self.history.push(Change { time: now, bush, to, fact }, from, bushes);
+        self.history.push(BushTransition { time: now, bush, to, fact }, from, bushes);
         if to.burns() {
             self.first_fire = self.first_fire.or(Some(now));
         } else {

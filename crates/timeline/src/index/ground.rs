@@ -200,7 +200,7 @@ impl GroundIndex {
     /// Goes through all times at which the number of burning cells changes, with the number from then on.
     pub(super) fn burning_counts(&self) -> impl Iterator<Item = (SimTime, u32)> + '_ {
         let mut ignitions = &self.ignited[..];
-        let mut out = Ends { first: &self.burned_out, second: &self.extinguished };
+        let mut out = FireEnds { first: &self.burned_out, second: &self.extinguished };
         let mut burning = 0_u32;
         std::iter::from_fn(move || {
             let now = [ignitions.first().copied(), out.next_time()].into_iter().flatten().min()?;
@@ -257,12 +257,12 @@ impl GroundIndex {
 }
 
 /// The ends of fires, of both kinds.
-struct Ends<'a> {
+struct FireEnds<'a> {
     first: &'a [SimTime],
     second: &'a [SimTime],
 }
 
-impl Ends<'_> {
+impl FireEnds<'_> {
     fn next_time(&self) -> Option<SimTime> {
         [self.first.first(), self.second.first()].into_iter().flatten().min().copied()
     }

@@ -52,7 +52,7 @@ impl<'a> RunIndex<'a> {
 
     fn from_cow(timeline: Cow<'a, Timeline>) -> Self {
         let ground = GroundIndex::new(&timeline);
-        let Reading { moments, bushes, agents, outcome } = Reader::new(&timeline, ground.as_ref()).read();
+        let IndexPass { moments, bushes, agents, outcome } = Reader::new(&timeline, ground.as_ref()).read();
         let end = timeline.end_time();
         let spreads = bushes::spread_moments(&timeline);
         Self { timeline, end, moments, bushes, spreads, agents, ground, outcome }
@@ -192,7 +192,7 @@ impl From<Timeline> for RunIndex<'static> {
 }
 
 /// The result of a pass over the facts.
-struct Reading {
+struct IndexPass {
     moments: Vec<SimTime>,
     bushes: BushHistory,
     agents: Vec<AgentHistory>,
@@ -224,7 +224,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn read(mut self) -> Reading {
+    fn read(mut self) -> IndexPass {
         let end = self.timeline.end_time();
         loop {
             self.read_instant();
@@ -254,7 +254,7 @@ impl<'a> Reader<'a> {
             ground: self.ground.map(|ground| ground.outcome(self.timeline)),
             ..outcome
         };
-        Reading { moments: self.moments, bushes, agents, outcome }
+        IndexPass { moments: self.moments, bushes, agents, outcome }
     }
 
     /// Lets all facts of the present instant happen; what agents do from then on is known after the last of them.

@@ -18,7 +18,7 @@ use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire_base::object;
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_batch::stats::{Series, quantile};
 use wildfire_fire::models::{Alexandridis, AlexandridisRules};
 use wildfire_fire::{FireField, Landscape, Relief};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::SpreadArguments;
 use crate::cli::error::CliError;
 use crate::cli::fire::options::no_such_fuel;
-use crate::cli::map_of::MapPlace;
+use crate::cli::map_of::EarthPlace;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
@@ -21,9 +21,9 @@ pub struct GroundSources<'a> {
 }
 
 /// A landscape with its place on earth.
-pub struct Ground {
+pub struct GroundOnEarth {
     pub landscape: Arc<Landscape>,
-    pub place: MapPlace,
+    pub place: EarthPlace,
     /// Which bands were taken for what.
     pub bands: Vec<String>,
     /// What of the rasters may have been misread or was left out, in sentences.
@@ -52,7 +52,7 @@ impl<'a> GroundSources<'a> {
     }
 
     /// Reads the rasters, whose sides and cells must be those that were given.
-    pub fn read(&self, arguments: &SpreadArguments) -> Result<Ground, CliError> {
+    pub fn read(&self, arguments: &SpreadArguments) -> Result<GroundOnEarth, CliError> {
         let refused = |sentence: String| CliError::bad_input(sentence, None);
         let mut layers = LayerReader::default();
         for &(kind, path) in &self.rasters {
@@ -77,9 +77,9 @@ impl<'a> GroundSources<'a> {
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
         };
-        let place = layers.as_ref().map_or_else(MapPlace::default, MapPlace::from_layers);
+        let place = layers.as_ref().map_or_else(EarthPlace::default, EarthPlace::from_layers);
         let (bands, doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
-        Ok(Ground { landscape: Arc::new(landscape), place, bands, doubts })
+        Ok(GroundOnEarth { landscape: Arc::new(landscape), place, bands, doubts })
     }
 }
 

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::ground::Ground;
+use super::ground::GroundOnEarth;
 use crate::cli::error::CliError;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_grid::map_files::raster::GeoKeys;
@@ -49,7 +49,7 @@ impl PerimeterArguments {
 
 /// Writes a feature for each time at which something has burned, with the time, the area and the length of the perimeter.
 /// `expected` is when fire comes to each cell, after the end too; not a number where it does not.
-pub fn write(path: &Path, ground: &Ground, expected: &[f64], times_s: &[f64]) -> io::Result<()> {
+pub fn write(path: &Path, ground: &GroundOnEarth, expected: &[f64], times_s: &[f64]) -> io::Result<()> {
     let frame = ground.landscape.frame;
     let features = times_s.iter().filter_map(|&time_s| {
         let cells = expected.iter().filter(|arrival| **arrival <= time_s).count();
@@ -93,9 +93,9 @@ pub fn perimeter_m(frame: FieldFrame, expected: &[f64], time_s: f64) -> f64 {
 }
 
 /// A place in cells from the corner of the field: (0.5, 0.5) is the middle of the first cell.
-type Point = [f64; 2];
+type RingPoint = [f64; 2];
 /// Points at which a border turns, the inside on the left; closed without repeating the first.
-type Ring = Vec<Point>;
+type Ring = Vec<RingPoint>;
 
 /// The nearest to a middle, in cells, that a border comes.
 const NEAREST: f64 = 1e-6;
@@ -110,7 +110,7 @@ fn length(polygons: &[Vec<Ring>]) -> f64 {
 }
 
 /// Twice the area, above 0 of a ring that runs counter-clockwise.
-fn doubled_area(ring: &[Point]) -> f64 {
+fn doubled_area(ring: &[RingPoint]) -> f64 {
     let next = ring.iter().cycle().skip(1);
     ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
 }
@@ -184,7 +184,7 @@ fn groups(frame: FieldFrame, inside: &[bool]) -> Vec<Option<usize>> {
 }
 
 /// Leaves out the points at which a ring goes straight on.
-fn turns(ring: &[Point]) -> Ring {
+fn turns(ring: &[RingPoint]) -> Ring {
     let count = ring.len();
     let is_turn = |&at: &usize| {
         let [before, corner, after] = [count - 1, 0, 1].map(|step| ring[(at + step) % count]);

@@ -5,13 +5,13 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::SpreadArguments;
-use super::ground::Ground;
+use super::ground::GroundOnEarth;
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};
 use wildfire_base::object::Members;
 use wildfire_base::time::SimTime;
-use wildfire_batch::PROGRAM_VERSION;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_fire::Landscape;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
@@ -32,7 +32,7 @@ pub struct SpreadReport {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     doubts: Vec<String>,
     /// Codes of the fuels and the cells that have them, the most frequent first.
-    fuels: Vec<FuelShare>,
+    fuels: Vec<FuelRow>,
     /// Codes of fuels that are too wet to burn.
     too_wet: Vec<&'static str>,
     moisture: FuelMoisture,
@@ -64,7 +64,7 @@ pub struct SpreadReport {
 }
 
 #[derive(Debug, Serialize)]
-struct FuelShare {
+struct FuelRow {
     number: u8,
     code: &'static str,
     cells: usize,
@@ -99,7 +99,7 @@ struct Farthest {
 impl SpreadReport {
     pub fn new(
         arguments: &SpreadArguments,
-        ground: &Ground,
+        ground: &GroundOnEarth,
         fire: &mut LoneFire,
         ignitions: &[(SimTime, Cell)],
         cpu: Duration,
@@ -208,16 +208,16 @@ impl SpreadReport {
 }
 
 /// Counts the cells of each fuel.
-fn shares(landscape: &Landscape) -> Vec<FuelShare> {
+fn shares(landscape: &Landscape) -> Vec<FuelRow> {
     let mut cells = [0; 256];
     for &number in &landscape.fuel {
         cells[usize::from(number)] += 1;
     }
     let there = (0..=u8::MAX).filter(|&number| cells[usize::from(number)] > 0);
-    let mut shares: Vec<FuelShare> = there
+    let mut shares: Vec<FuelRow> = there
         .map(|number| {
             let code = FuelModel::by_number(number).map_or("none", |model| model.code);
-            FuelShare { number, code, cells: cells[usize::from(number)] }
+            FuelRow { number, code, cells: cells[usize::from(number)] }
         })
         .collect();
     shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.number));

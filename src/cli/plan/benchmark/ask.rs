@@ -10,10 +10,10 @@ use crate::cli::error::CliError;
 use crate::cli::plan::arguments::PlanArguments;
 use crate::cli::terminal::Progress;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{
-    AttemptSettings, BatchPlan, BatchRequest, DriveQuery, DriveTable, MAX_QUERIES, PLANNER_KEY, RequestError, Seeds,
-    Sweep, Value, Variant, ask_all, expect_planners_exist, requested_planners,
+use wildfire_batch::drives::{
+    AttemptSettings, DriveQuery, DriveTable, MAX_QUERIES, ask_all, expect_planners_exist, requested_planners,
 };
+use wildfire_batch::plan::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Sweep, Value, Variant};
 use wildfire_planning::PlannerName;
 use wildfire_sim::scenario::{Problem, ScenarioText};
 
@@ -42,7 +42,7 @@ pub struct BenchmarkProblem {
 
 /// All answers.
 #[derive(Debug, Default)]
-pub struct Answers {
+pub struct BenchmarkAnswers {
     pub drives: DriveTable,
     /// In the order of the queries.
     pub problems: Vec<BenchmarkProblem>,
@@ -50,7 +50,7 @@ pub struct Answers {
 
 /// The answers of one variant with one seed.
 #[derive(Default)]
-struct Part {
+struct QueryPart {
     rows: Vec<DriveQuery>,
     problems: Vec<BenchmarkProblem>,
 }
@@ -106,11 +106,11 @@ impl<'a> Benchmark<'a> {
     ///
     /// # Errors
     /// If a field cannot be made, before anybody is asked.
-    pub fn ask(&self) -> Result<Answers, CliError> {
+    pub fn ask(&self) -> Result<BenchmarkAnswers, CliError> {
         self.check_size()?;
         let parts = self.parts(self.arguments.jobs.map_or(1, NonZeroUsize::get))?;
         let drives = DriveTable { keys: self.plan.swept_keys.clone(), variants: self.values.clone(), rows: Vec::new() };
-        let mut answers = Answers { drives, ..Answers::default() };
+        let mut answers = BenchmarkAnswers { drives, ..BenchmarkAnswers::default() };
         for part in parts {
             answers.drives.rows.extend(part.rows);
             answers.problems.extend(part.problems);
@@ -158,7 +158,7 @@ impl<'a> Benchmark<'a> {
     }
 
     /// The answers in the order of the plan, whatever the number of threads.
-    fn parts(&self, jobs: usize) -> Result<Vec<Part>, CliError> {
+    fn parts(&self, jobs: usize) -> Result<Vec<QueryPart>, CliError> {
         let count = self.plan.count();
         let next = AtomicU64::new(1);
         let has_failed = AtomicBool::new(false);
@@ -183,7 +183,7 @@ impl<'a> Benchmark<'a> {
         done.into_iter().map(|(_, part)| part).collect()
     }
 
-    fn part(&self, number: u64) -> Result<Part, CliError> {
+    fn part(&self, number: u64) -> Result<QueryPart, CliError> {
         let run = self.plan.run(number);
         let index = self.variant(number);
         let Variant { scenario, .. } = run.variant;
@@ -197,7 +197,7 @@ impl<'a> Benchmark<'a> {
         let attempts = ask_all(&problems, &question);
         let attempts = attempts.map_err(|error| CliError::from(error).about(&self.name(number)))?;
         let rows = attempts.iter().map(|attempt| attempt.query(Some(run.seed), self.places[index])).collect();
-        Ok(Part {
+        Ok(QueryPart {
             rows,
             problems: problems
                 .into_iter()

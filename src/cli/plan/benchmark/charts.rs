@@ -1,8 +1,9 @@
 //! The charts of a benchmark: a box of every planner's numbers, and medians over each number that is swept.
 
-use wildfire_batch::{
-    ChartData, DriveTable, FacetSeries, MAX_PANELS, MEASURES, Measure, PlannerSummary, Value, file_name_of, word_facets,
-};
+use wildfire_batch::drives::{DriveTable, MEASURES, Measure, PlannerSummary};
+use wildfire_batch::execute::file_name_of;
+use wildfire_batch::plan::Value;
+use wildfire_batch::report::{ChartData, FacetSeries, MAX_PANELS, word_facets};
 use wildfire_picture::charts::{
     BoxChart, BoxPanel, BoxSeries, Curve, CurveChart, CurvePanel, Drawing, Estimate, Spread, Titles,
 };
@@ -188,7 +189,7 @@ fn scaled(Estimate { value, interval }: Estimate, factor: f64) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_batch::made_up_drives;
+    use wildfire_batch::drives::made_up_drives;
     use wildfire_picture::charts::SCREEN_WIDTH;
 
     #[test]

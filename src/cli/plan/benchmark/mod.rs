@@ -21,12 +21,13 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format, ReportStream};
 use crate::cli::terminal;
-use ask::{Answers, Benchmark};
+use ask::{Benchmark, BenchmarkAnswers};
 use page::{charts_folder_of, write_page};
 use report::BenchmarkReport;
 use wildfire_base::document::Document;
 use wildfire_base::input_file::is_standard_stream;
-use wildfire_batch::{BatchRequest, DriveTable, PlannerSummary, RequestError};
+use wildfire_batch::drives::{DriveTable, PlannerSummary};
+use wildfire_batch::plan::{BatchRequest, RequestError};
 use wildfire_sim::scenario::LoadedScenario;
 
 /// The files of a folder that `--report` fills.
@@ -70,7 +71,7 @@ fn begin<'a>(arguments: &'a PlanArguments, context: &'a CommandContext) -> Resul
 }
 
 fn run_queries<'a>(arguments: &'a PlanArguments, benchmark: &Benchmark<'_>) -> Result<BenchmarkReport<'a>, CliError> {
-    let Answers { drives, problems } = benchmark.ask()?;
+    let BenchmarkAnswers { drives, problems } = benchmark.ask()?;
     Ok(BenchmarkReport {
         scenario: benchmark.plan.variants[0].scenario.name.clone(),
         changes: &arguments.overrides,

@@ -10,10 +10,9 @@ use crate::cli::plan::benchmark::charts::{ChartSheet, Charts};
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document, Figure};
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::{
-    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PaperCharts, PlannerSummary, ReportError, interval_tables,
-    write_chart, write_chart_data, write_paper_chart,
-};
+use wildfire_batch::drives::{DriveTable, INTERVAL_LEGEND, PlannerSummary, interval_tables};
+use wildfire_batch::plan::PROGRAM_VERSION;
+use wildfire_batch::report::{PaperCharts, ReportError, write_chart, write_chart_data, write_paper_chart};
 use wildfire_picture::charts::SCREEN_WIDTH;
 
 /// The page that was written.

@@ -6,10 +6,10 @@ use crate::cli::plan::benchmark::ask::BenchmarkProblem;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
-use wildfire_batch::{
-    DriveTable, INTERVAL_LEGEND, PROGRAM_VERSION, PlannerSummary, failure_sentences, interval_tables, queries_text,
-    violation_sentences,
+use wildfire_batch::drives::{
+    DriveTable, INTERVAL_LEGEND, PlannerSummary, failure_sentences, interval_tables, queries_text, violation_sentences,
 };
+use wildfire_batch::plan::PROGRAM_VERSION;
 
 /// The question and all answers.
 pub struct BenchmarkReport<'a> {
@@ -57,7 +57,7 @@ impl From<&BenchmarkReport<'_>> for Document {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_batch::made_up_drives;
+    use wildfire_batch::drives::made_up_drives;
 
     #[test]
     fn answer_fits_eighty_columns_and_says_what_failed() {

@@ -14,7 +14,9 @@ use chrono::DateTime;
 
 use crate::cli::error::CliError;
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::{DriveFailure, DriveQuery, Machine, PROGRAM_VERSION};
+use wildfire_batch::drives::{DriveFailure, DriveQuery};
+use wildfire_batch::execute::Machine;
+use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::{PlanFailure, PlannerName};
 use wildfire_sim::scenario::{MemoryLimit, Programs};

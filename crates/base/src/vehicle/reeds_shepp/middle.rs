@@ -31,12 +31,12 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use super::word::Form;
+use super::word::WordForm;
 use crate::geometry::ops;
 use crate::vehicle::curve::MAX_LETTERS;
 use crate::vehicle::curve::circles::{Ends, Middle, OuterArcs, View, at_least, at_most};
 
-impl Form {
+impl WordForm {
     /// Returns on which side the last arc lies.
     #[inline(always)]
     pub fn ends(self) -> Ends {

@@ -12,7 +12,7 @@ mod word;
 pub use search::{CurvePrice, PricedCurve};
 pub use word::{Curve, Family, Word};
 
-use self::search::Pair;
+use self::search::WordPair;
 use crate::geometry::{Pose, ops};
 
 /// The curves of a vehicle with this turning radius. Poses are finite and those of the rear axle.
@@ -33,7 +33,7 @@ impl ReedsShepp {
         if self.min_length_m(from, to) >= bound_m {
             return None;
         }
-        let solved = Pair::new(from, to, self.radius_m).shortest(bound_m / self.radius_m)?;
+        let solved = WordPair::new(from, to, self.radius_m).shortest(bound_m / self.radius_m)?;
         Some(solved.total() * self.radius_m)
     }
 
@@ -42,7 +42,7 @@ impl ReedsShepp {
     /// # Panics
     /// When a number of the poses is not finite, or too large to be squared.
     pub fn shortest(&self, from: Pose, to: Pose) -> Curve {
-        let pair = Pair::new(from, to, self.radius_m);
+        let pair = WordPair::new(from, to, self.radius_m);
         let solved = pair.shortest(f64::INFINITY).expect("L+S+L+ leads anywhere");
         pair.curve(&solved)
     }
@@ -61,7 +61,7 @@ impl ReedsShepp {
         if price.min_factor() * self.min_length_m(from, to) >= bound {
             return None;
         }
-        let pair = Pair::new(from, to, self.radius_m);
+        let pair = WordPair::new(from, to, self.radius_m);
         let best = pair.cheapest(price, bound);
         pair.cheapest_loop(price, best.map_or(bound, |curve| curve.price)).or(best)
     }
@@ -79,7 +79,7 @@ impl ReedsShepp {
         if price.min_factor() * self.min_length_m(from, to) >= bound {
             return None;
         }
-        Pair::new(from, to, self.radius_m).cheapest(price, bound)
+        WordPair::new(from, to, self.radius_m).cheapest(price, bound)
     }
 
     /// Replaces what `curves` holds by the curves of the 48 words that exist, the cheapest first; of equals, the word that comes
@@ -88,7 +88,7 @@ impl ReedsShepp {
     /// Nothing is allocated when `curves` has room for all the words.
     pub fn candidates(&self, from: Pose, to: Pose, price: &CurvePrice, curves: &mut Vec<PricedCurve>) {
         curves.clear();
-        let pair = Pair::new(from, to, self.radius_m);
+        let pair = WordPair::new(from, to, self.radius_m);
         curves.extend(pair.curves().map(|curve| PricedCurve { curve, price: price.cost(&curve) }));
         curves.sort_unstable_by(|a, b| {
             a.price.total_cmp(&b.price).then_with(|| a.curve.word.rank().cmp(&b.curve.word.rank()))

@@ -2,11 +2,11 @@
 //!
 //! A word that cannot win costs no trigonometry. Two facts leave words out:
 //! - Every pair of poses has a folded image under the symmetries ([`Chord::folded`]), and there only nine words are ever
-//!   the shortest, one of each orbit of the symmetries: see [`Pair::shortest`].
+//!   the shortest, one of each orbit of the symmetries: see [`WordPair::shortest`].
 //! - The middle of a word, and the change of heading that is left for its outer arcs, are known before the angles of these
 //!   arcs are, and bound the length from below: see [`View::outer_arcs`](crate::vehicle::curve::circles::View::outer_arcs).
 
-use super::word::{Curve, Form, Word};
+use super::word::{Curve, Word, WordForm};
 use crate::geometry::Pose;
 use crate::vehicle::curve::chord::{Chord, Symmetry};
 use crate::vehicle::curve::circles::{Circles, OuterArcs};
@@ -64,7 +64,7 @@ pub struct PricedCurve {
 }
 
 /// Two poses, prepared for solving words.
-pub(super) struct Pair {
+pub(super) struct WordPair {
     circles: Circles,
     symmetry: Symmetry,
     radius_m: f64,
@@ -90,7 +90,7 @@ impl Solved {
     }
 }
 
-impl Pair {
+impl WordPair {
     pub fn new(from: Pose, to: Pose, radius_m: f64) -> Self {
         let (chord, symmetry) = Chord::between(from, to, radius_m).folded();
         Self { circles: Circles::new(&chord), symmetry, radius_m }
@@ -105,15 +105,15 @@ impl Pair {
         let mut best = Shortest { bound, solved: None };
         // A call for each word, not a loop, lets the compiler decide all that depends on the word: this halves the time. The
         // words that most often win between far poses come first.
-        self.improve(&mut best, Word::new(Form::LpSpRp, false, false));
-        self.improve(&mut best, Word::new(Form::LpSpLp, false, false));
-        self.improve(&mut best, Word::new(Form::LpRmSmLm, true, true));
-        self.improve(&mut best, Word::new(Form::LpRmSmRm, true, true));
-        self.improve(&mut best, Word::new(Form::LpRmSmLmRp, true, true));
-        self.improve(&mut best, Word::new(Form::LpRmLp, false, false));
-        self.improve(&mut best, Word::new(Form::LpRmLm, true, true));
-        self.improve(&mut best, Word::new(Form::LpRmLmRp, true, true));
-        self.improve(&mut best, Word::new(Form::LpRpLmRm, false, true));
+        self.improve(&mut best, Word::new(WordForm::LpSpRp, false, false));
+        self.improve(&mut best, Word::new(WordForm::LpSpLp, false, false));
+        self.improve(&mut best, Word::new(WordForm::LpRmSmLm, true, true));
+        self.improve(&mut best, Word::new(WordForm::LpRmSmRm, true, true));
+        self.improve(&mut best, Word::new(WordForm::LpRmSmLmRp, true, true));
+        self.improve(&mut best, Word::new(WordForm::LpRmLp, false, false));
+        self.improve(&mut best, Word::new(WordForm::LpRmLm, true, true));
+        self.improve(&mut best, Word::new(WordForm::LpRmLmRp, true, true));
+        self.improve(&mut best, Word::new(WordForm::LpRpLmRm, false, true));
         best.solved
     }
 

@@ -54,7 +54,7 @@ impl fmt::Display for Family {
 /// A name is the word's letters, with `p` for + and `m` for -.
 #[expect(clippy::enum_variant_names, reason = "a name is a whole word, and all of them start to the left and forward")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
+pub(super) enum WordForm {
     LpSpLp,
     LpSpRp,
     LpRmLm,
@@ -70,7 +70,7 @@ pub(super) enum Form {
     LpRpLp,
 }
 
-impl Form {
+impl WordForm {
     const ALL: [Self; 13] = [
         Self::LpSpLp,
         Self::LpSpRp,
@@ -145,10 +145,10 @@ impl Form {
 }
 
 static LETTERS: [[Letter; MAX_LETTERS]; 13] = {
-    let mut letters = [Form::LpSpLp.read_letters(); 13];
+    let mut letters = [WordForm::LpSpLp.read_letters(); 13];
     let mut index = 0;
     while index < letters.len() {
-        letters[index] = Form::ALL[index].read_letters();
+        letters[index] = WordForm::ALL[index].read_letters();
         index += 1;
     }
     letters
@@ -160,7 +160,7 @@ pub type Curve = crate::vehicle::curve::Curve<Word>;
 /// One of the 48 words of Reeds and Shepp, or of [`Word::LOOPS`], printed as in `L+S+R-`: left, straight or right, forward or in reverse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    pub(super) form: Form,
+    pub(super) form: WordForm,
     /// Starts to the right.
     pub(super) reflected: bool,
     /// Starts in reverse.
@@ -170,10 +170,10 @@ pub struct Word {
 impl Word {
     /// Every word of Reeds and Shepp once, in the order that decides between equals.
     pub const ALL: [Self; 48] = {
-        let mut words = [Self::new(Form::LpSpLp, false, false); 48];
+        let mut words = [Self::new(WordForm::LpSpLp, false, false); 48];
         let mut index = 0;
         while index < words.len() {
-            words[index] = Self::new(Form::ALL[index / 4], index & 1 != 0, index & 2 != 0);
+            words[index] = Self::new(WordForm::ALL[index / 4], index & 1 != 0, index & 2 != 0);
             index += 1;
         }
         words
@@ -182,38 +182,38 @@ impl Word {
     /// The words without a cusp that only Dubins needs: an inner arc of more than half a turn. With its longer part driven
     /// the other way round, each is a shorter word with two cusps.
     pub const LOOPS: [Self; 4] = [
-        Self::new(Form::LpRpLp, false, false),
-        Self::new(Form::LpRpLp, true, false),
-        Self::new(Form::LpRpLp, false, true),
-        Self::new(Form::LpRpLp, true, true),
+        Self::new(WordForm::LpRpLp, false, false),
+        Self::new(WordForm::LpRpLp, true, false),
+        Self::new(WordForm::LpRpLp, false, true),
+        Self::new(WordForm::LpRpLp, true, true),
     ];
 
-    pub(super) const fn new(form: Form, reflected: bool, flipped: bool) -> Self {
+    pub(super) const fn new(form: WordForm, reflected: bool, flipped: bool) -> Self {
         Self { form, reflected, flipped }
     }
 
     pub fn family(self) -> Family {
         match self.form {
-            Form::LpSpLp | Form::LpSpRp => Family::Csc,
-            Form::LpRpLp => Family::Ccc,
-            Form::LpRmLp => Family::CCuspCCuspC,
-            Form::LpRmLm => Family::CCuspCc,
-            Form::LpRpLm => Family::CcCuspC,
-            Form::LpRpLmRm => Family::CcCuspCc,
-            Form::LpRmLmRp => Family::CCuspCcCuspC,
-            Form::LpRmSmLm | Form::LpRmSmRm => Family::CCuspCsc,
-            Form::LpSpRpLm | Form::LpSpLpRm => Family::CscCuspC,
-            Form::LpRmSmLmRp => Family::CCuspCscCuspC,
+            WordForm::LpSpLp | WordForm::LpSpRp => Family::Csc,
+            WordForm::LpRpLp => Family::Ccc,
+            WordForm::LpRmLp => Family::CCuspCCuspC,
+            WordForm::LpRmLm => Family::CCuspCc,
+            WordForm::LpRpLm => Family::CcCuspC,
+            WordForm::LpRpLmRm => Family::CcCuspCc,
+            WordForm::LpRmLmRp => Family::CCuspCcCuspC,
+            WordForm::LpRmSmLm | WordForm::LpRmSmRm => Family::CCuspCsc,
+            WordForm::LpSpRpLm | WordForm::LpSpLpRm => Family::CscCuspC,
+            WordForm::LpRmSmLmRp => Family::CCuspCscCuspC,
         }
     }
 
     /// Changes between forward and reverse, when no letter is of length 0.
     pub const fn cusps(self) -> u32 {
         match self.form {
-            Form::LpSpLp | Form::LpSpRp | Form::LpRpLp => 0,
-            Form::LpRmLm | Form::LpRpLm | Form::LpRpLmRm => 1,
-            Form::LpRmSmLm | Form::LpRmSmRm | Form::LpSpRpLm | Form::LpSpLpRm => 1,
-            Form::LpRmLp | Form::LpRmLmRp | Form::LpRmSmLmRp => 2,
+            WordForm::LpSpLp | WordForm::LpSpRp | WordForm::LpRpLp => 0,
+            WordForm::LpRmLm | WordForm::LpRpLm | WordForm::LpRpLmRm => 1,
+            WordForm::LpRmSmLm | WordForm::LpRmSmRm | WordForm::LpSpRpLm | WordForm::LpSpLpRm => 1,
+            WordForm::LpRmLp | WordForm::LpRmLmRp | WordForm::LpRmSmLmRp => 2,
         }
     }
 

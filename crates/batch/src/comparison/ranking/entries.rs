@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 
 use crate::comparison::ComparisonError;
 use crate::comparison::ranking::error::RankingError;
-use crate::comparison::runs_table::{Condition, RunsTable};
+use crate::comparison::runs_table::{RunCondition, RunsTable};
 use crate::comparison::settings::{RecordedSettings, merged, seeds_text, value_text};
 use crate::comparison::sides::{Selection, whole};
 use crate::comparison::wording::listed;
@@ -33,12 +33,12 @@ pub struct EntryRuns<'a> {
     /// The columns of its own that vary in its table, with its values.
     levels: Vec<(String, String)>,
     /// The runs by seed and stratum, which are the same for all entries.
-    pub runs: Vec<Run>,
+    pub runs: Vec<RankedRun>,
 }
 
 /// A run, with the values by which it is paired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Run {
+pub struct RankedRun {
     pub seed: u64,
     pub stratum: usize,
     pub index: usize,
@@ -241,7 +241,7 @@ fn divided<'a>(
     free: &FreeKeys,
 ) -> Result<Vec<EntryRuns<'a>>, RankingError> {
     let side = whole(table, selection)?;
-    let conditions: Vec<&Condition> =
+    let conditions: Vec<&RunCondition> =
         side.varying().into_iter().filter(|it| belongs_to_entry(&it.name, free)).collect();
     let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut entries: Vec<EntryRuns<'a>> = Vec::new();
@@ -255,7 +255,7 @@ fn divided<'a>(
         if entries.len() > super::MAX_ENTRIES {
             return Err(RankingError::TooMany { count: entries.len(), limit: super::MAX_ENTRIES });
         }
-        entries[index].runs.push(Run { seed: table.seeds[run], stratum: 0, index: run });
+        entries[index].runs.push(RankedRun { seed: table.seeds[run], stratum: 0, index: run });
     }
     Ok(entries)
 }
@@ -325,7 +325,7 @@ fn leave_out(entries: &mut Vec<EntryRuns<'_>>, without: &[String]) -> Result<(),
 
 /// Columns that vary within an entry and are no entry's own; in the order of their names.
 fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
-    let varies = |entry: &EntryRuns<'_>, condition: &Condition| {
+    let varies = |entry: &EntryRuns<'_>, condition: &RunCondition| {
         let mut levels = entry.runs.iter().map(|run| condition.of_run[run.index]);
         let first = levels.next();
         levels.any(|level| Some(level) != first)
@@ -352,7 +352,7 @@ fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<us
             let found = entry.table.conditions.iter().find(|condition| condition.name == *column);
             found.ok_or_else(|| RankingError::NoColumn { entry: entry.name.clone(), column: visible_start(column) })
         });
-        let conditions: Vec<&Condition> = conditions.collect::<Result<_, _>>()?;
+        let conditions: Vec<&RunCondition> = conditions.collect::<Result<_, _>>()?;
         let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
         for run in &mut entry.runs {
             let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run.index]).collect();

@@ -2,8 +2,8 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::PROGRAM_VERSION;
 use crate::comparison::{Contrast, RankedEntry, RankedPair, Ranking};
+use crate::plan::PROGRAM_VERSION;
 use crate::stats::CONFIDENCE;
 use wildfire_base::object;
 

@@ -64,7 +64,7 @@ pub fn add_failed(failures: &mut BTreeMap<u64, FailedRuns>, variant: u64, failed
 }
 
 /// What a line of a run is to an index.
-enum Place {
+enum LineRole {
     Free(usize),
     /// The run already has a line, which begins here.
     Taken(u64),
@@ -104,7 +104,7 @@ impl JournalIndex {
             let damaged = |reason: String| damaged(number + 1, reason);
             let entry: Entry = decode(&lines.line).map_err(damaged)?;
             match index.place_of(entry.label.run).map_err(damaged)? {
-                Place::Free(place) => {
+                LineRole::Free(place) => {
                     index.add(place, entry.status, offset, &lines.line);
                     index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
                     if entry.status != Status::Done {
@@ -113,7 +113,7 @@ impl JournalIndex {
                         add_failed(&mut index.failures, variant, failed);
                     }
                 }
-                Place::Taken(first) => {
+                LineRole::Taken(first) => {
                     expect_same_row(path, first, &lines.line).map_err(damaged)?;
                     index.repeated += 1;
                 }
@@ -125,11 +125,11 @@ impl JournalIndex {
     }
 
     /// Finds the place of a run in the slice.
-    fn place_of(&self, run: u64) -> Result<Place, String> {
+    fn place_of(&self, run: u64) -> Result<LineRole, String> {
         let place = self.slice.place_of(run).and_then(|place| usize::try_from(place).ok());
         match place.and_then(|place| Some((place, *self.offsets.get(place)?))) {
-            Some((place, 0)) => Ok(Place::Free(place)),
-            Some((_, first)) => Ok(Place::Taken(first)),
+            Some((place, 0)) => Ok(LineRole::Free(place)),
+            Some((_, first)) => Ok(LineRole::Taken(first)),
             None => Err(format!("run {run} is not in slice {}", self.slice)),
         }
     }
@@ -144,7 +144,7 @@ impl JournalIndex {
 
     /// Adds the line of a run that was written at the end.
     pub fn append(&mut self, run: u64, status: Status, line: &[u8]) {
-        let Ok(Place::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
+        let Ok(LineRole::Free(place)) = self.place_of(run) else { unreachable!("only missing runs are run") };
         self.add(place, status, self.end, line.strip_suffix(b"\n").unwrap_or(line));
         self.end += line.len() as u64;
     }

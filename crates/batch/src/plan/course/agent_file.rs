@@ -7,7 +7,7 @@ use serde::Deserialize;
 use toml::{Table, Value as TomlValue};
 
 use super::rules_file::{Course, ProgramLimits};
-use super::{Change, CourseError, Leaf, fault, leaves, message_of, parse_toml, read_toml};
+use super::{CourseChange, CourseError, Leaf, fault, leaves, message_of, parse_toml, read_toml};
 use crate::plan::TABLES_OF_PROGRAMS;
 use crate::plan::free::is_price;
 use wildfire_sim::scenario::{Fault, FieldPath, PathStep};
@@ -101,7 +101,7 @@ impl AgentFile {
     }
 
     /// The changes that it makes to the scenario of the rules, or every value that these do not allow.
-    pub fn changes(&self, course: &Course) -> Result<Vec<Change>, Vec<CourseError>> {
+    pub fn changes(&self, course: &Course) -> Result<Vec<CourseChange>, Vec<CourseError>> {
         let found = leaves(self.table.clone());
         if found.len() > MAX_VALUES {
             let message = format!("{} values are too many; expected at most {MAX_VALUES}", found.len());
@@ -112,7 +112,7 @@ impl AgentFile {
         for leaf in found {
             let line = leaf.line_in(&self.text);
             match change(&leaf, course) {
-                Ok(Some(option)) => changes.push(Change { option, line }),
+                Ok(Some(option)) => changes.push(CourseChange { option, line }),
                 Ok(None) => {}
                 Err(message) => faults.push(fault(&self.path, Some(line), &message)),
             }
@@ -125,7 +125,7 @@ impl AgentFile {
     }
 
     /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
-    fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<Change>, CourseError> {
+    fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<CourseChange>, CourseError> {
         let agent_folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();
         for list in TABLES_OF_PROGRAMS {
@@ -146,9 +146,9 @@ impl AgentFile {
                     fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
                 })?;
                 let folder = TomlValue::String(folder.to_string_lossy().into_owned());
-                changes.push(Change { option: format!("{key}.folder={folder}"), line });
+                changes.push(CourseChange { option: format!("{key}.folder={folder}"), line });
                 for limit in limits.configured().into_iter().filter(|limit| !table.contains_key(limit.key)) {
-                    changes.push(Change { option: format!("{key}.{}={}", limit.key, limit.value), line });
+                    changes.push(CourseChange { option: format!("{key}.{}={}", limit.key, limit.value), line });
                 }
             }
         }

@@ -48,7 +48,7 @@ const MAX_AGENTS: usize = 100;
 
 /// A fault of a rules file, or of an agent's.
 #[derive(Debug, Error)]
-#[error("{}: {message}", Place(path, *line))]
+#[error("{}: {message}", RulesPlace(path, *line))]
 pub struct CourseError {
     pub path: PathBuf,
     /// Counted from 1; `None` if the fault is not in a line.
@@ -63,9 +63,9 @@ pub fn read_card(path: &Path) -> Result<Option<EntryCard>, CourseRefusal> {
     AgentFile::read(path).map(|agent| agent.card).map_err(|error| CourseRefusal::Agents(vec![error]))
 }
 
-struct Place<'a>(&'a Path, Option<usize>);
+struct RulesPlace<'a>(&'a Path, Option<usize>);
 
-impl fmt::Display for Place<'_> {
+impl fmt::Display for RulesPlace<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.1 {
             Some(line) => write!(f, "{}:{line}", self.0.display()),
@@ -250,7 +250,7 @@ fn message_of(error: &wildfire_sim::scenario::ScenarioError) -> String {
 }
 
 /// A change as `--set` takes it, and the line of the file that asks for it.
-pub(crate) struct Change {
+pub(crate) struct CourseChange {
     option: String,
     line: usize,
 }

@@ -20,12 +20,12 @@ const MAX_NAMED: usize = 3;
 
 /// The answer of a batch: one sentence, and more where variants are compared.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Answer {
+pub struct ReportAnswer {
     pub sentence: String,
     pub more: Vec<String>,
 }
 
-impl Answer {
+impl ReportAnswer {
     pub fn new(plan: &BatchPlan, collected: &Collected) -> Self {
         let variants = &collected.report.variants;
         if let ([variant], [report], [values]) = (&plan.variants[..], &variants[..], &collected.variants[..]) {

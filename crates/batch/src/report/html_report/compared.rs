@@ -47,14 +47,14 @@ pub struct Other {
 }
 
 /// Variants that are compared as one, with a variant for each stratum.
-struct Group {
+struct VariantGroup {
     name: String,
     variants: Vec<usize>,
     /// Stratum by stratum a number for each seed, NaN where there is none.
     numbers: Vec<f64>,
 }
 
-impl Group {
+impl VariantGroup {
     /// Returns the mean over some of its places, which all groups have numbers at; without any over those of its own.
     fn mean(&self, common: &[usize]) -> f64 {
         let numbers: Vec<f64> = match common {
@@ -90,11 +90,11 @@ impl Compared {
             let of_strata: Vec<usize> = strata.iter().filter_map(variant).collect();
             let numbers: Vec<f64> = of_strata.iter().flat_map(|&variant| numbers(variant)).collect();
             let has_numbers = numbers.iter().any(|number| number.is_finite());
-            has_numbers.then_some(Group { name, variants: of_strata, numbers })
+            has_numbers.then_some(VariantGroup { name, variants: of_strata, numbers })
         };
         let names = labels.distinct(&planner_dimensions);
         let planned = names.len();
-        let mut groups: Vec<Group> = names.into_iter().filter_map(group).collect();
+        let mut groups: Vec<VariantGroup> = names.into_iter().filter_map(group).collect();
         // Where runs failed, means are over what all have finished, or one that fails in hard runs would lead.
         let places = groups.iter().map(|group| group.numbers.len()).min().unwrap_or(0);
         let common: Vec<usize> =
@@ -109,7 +109,7 @@ impl Compared {
         let by = if strata.len() > 1 { listed(&labels.heads(&rest, plan)) } else { String::new() };
         // One whose differences have the same size.
         let metric = if *quantity == *SAVED && !is_in_bushes { "burned_ratio" } else { &quantity.name };
-        let contrast = |other: &Group| {
+        let contrast = |other: &VariantGroup| {
             let mut pairs = Vec::new();
             for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
                 let of_seeds = plan.seeds.iter().zip(numbers(ours).zip(numbers(theirs)));
@@ -124,7 +124,7 @@ impl Compared {
         };
         let contrasts: Vec<_> = groups.iter().map(contrast).collect();
         let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
-        let others = groups.into_iter().zip(contrasts).map(|(Group { name, variants, .. }, contrast)| Other {
+        let others = groups.into_iter().zip(contrasts).map(|(VariantGroup { name, variants, .. }, contrast)| Other {
             name,
             variants,
             judged: contrast.and_then(|_| judged.next()),
@@ -239,7 +239,7 @@ fn are_on_equal_fields(labels: &Labels, rest: &[usize], variants: &[Values]) -> 
 }
 
 /// Estimates the mean over seeds, whose numbers are means over strata.
-fn mean_by_seed(quantity: &'static Metric, group: &Group, variants: &[Values]) -> Option<Estimate> {
+fn mean_by_seed(quantity: &'static Metric, group: &VariantGroup, variants: &[Values]) -> Option<Estimate> {
     let members: Vec<&[f64]> = group.variants.iter().map(|&variant| variants[variant].of_seeds(quantity)).collect();
     let means = (0..members.first()?.len())
         .map(|seed| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64)

@@ -1,6 +1,6 @@
 //! The page of a report.
 
-use super::answer::Answer;
+use super::answer::ReportAnswer;
 use super::collected::{Collected, ListedRun};
 use super::figures::{Figure, Figures, Section};
 use super::notable::NotableRun;
@@ -61,7 +61,7 @@ impl Page<'_> {
         let name = name.as_deref().unwrap_or(batch.folder()).file_name();
         let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
         let stuck_runs = collected.stuck_runs as u64;
-        let charts = Charts::new(figures, narrow, parts);
+        let charts = PageCharts::new(figures, narrow, parts);
         let constant = (!figures.constant.is_empty()).then(|| Block::List(figures.constant.clone()));
         let sections = [
             ("Overview", summary(plan, collected, figures)),
@@ -78,7 +78,7 @@ impl Page<'_> {
             ("Files", files(batch)),
             ("Plan and version", plan_part(plan, origin)),
         ];
-        let Answer { sentence, more } = Answer::new(plan, collected);
+        let ReportAnswer { sentence, more } = ReportAnswer::new(plan, collected);
         let mut document = Document::new(title).with([Block::Text(sentence)]);
         document.add_list(more);
         document = document.with(charts.lead()).with([Block::Contents]);
@@ -92,7 +92,7 @@ impl Page<'_> {
 }
 
 /// The charts of a page; those that lead it are nowhere else.
-struct Charts<'a> {
+struct PageCharts<'a> {
     figures: &'a Figures,
     narrow: &'a Figures,
     field: Option<&'a FieldPicture>,
@@ -101,11 +101,11 @@ struct Charts<'a> {
     leading: Option<&'a str>,
 }
 
-impl<'a> Charts<'a> {
+impl<'a> PageCharts<'a> {
     /// Chooses what leads: the field, what variants are compared by, the states over time, or those at the end.
     fn new(figures: &'a Figures, narrow: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
         let field = parts.field.as_ref();
-        let leading = [Section::Answer, Section::OverTime, Section::Means]
+        let leading = [Section::ReportAnswer, Section::OverTime, Section::Means]
             .into_iter()
             .find_map(|section| figures.drawn.iter().find(|figure| figure.section == section))
             .filter(|_| field.is_none());

@@ -198,7 +198,7 @@ struct FuelTable {
 
 /// The interval of the weather that the front is in.
 #[derive(Clone, Debug)]
-struct Interval {
+struct WeatherSpan {
     number: usize,
     from: u64,
     until: u64,
@@ -220,7 +220,7 @@ pub struct Front {
     rates: Rates,
     rules: RothermelRules,
     template: Template,
-    interval: Interval,
+    interval: WeatherSpan,
     queue: ArrivalQueue,
     /// What was due last, and when.
     due: Vec<u32>,
@@ -237,7 +237,7 @@ impl Front {
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
         let template = Template::new(&directions, cells.stride, landscape.frame.cell_m, plane);
         // Of no time: it is entered with the first ignition.
-        let interval = Interval { number: 0, from: NEVER, until: 0, tables: Vec::new() };
+        let interval = WeatherSpan { number: 0, from: NEVER, until: 0, tables: Vec::new() };
         let queue = ArrivalQueue::default();
         let due = Vec::new();
         let due_at = 0;
@@ -400,7 +400,7 @@ impl Front {
             slowness: spreading.slowness,
             along: vectors.iter().map(|&v| (spreading.seconds(v), spreading.drift_seconds(v))).collect(),
         });
-        self.interval = Interval { number, from, until, tables: tables.collect() };
+        self.interval = WeatherSpan { number, from, until, tables: tables.collect() };
     }
 
     /// Offers exact times to the cells near an ignition, along ways of one fuel.

@@ -24,7 +24,7 @@ pub(super) fn is_start(bytes: &[u8]) -> bool {
 
 pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Raster, RasterFault> {
     let mut tokens = Tokens::new(bytes);
-    let head = Head::read(&mut tokens)?;
+    let head = AsciiHead::read(&mut tokens)?;
     let rows = head.whole("nrows")?;
     let cols = head.whole("ncols")?;
     check_size(rows, cols)?;
@@ -79,9 +79,9 @@ fn key_of(word: &[u8]) -> Option<&'static str> {
 }
 
 /// The numbers of a head, each with its key.
-struct Head(Vec<(&'static str, f64)>);
+struct AsciiHead(Vec<(&'static str, f64)>);
 
-impl Head {
+impl AsciiHead {
     /// Reads keys and their numbers up to the first word that is a number or `nan`.
     fn read(tokens: &mut Tokens) -> Result<Self, RasterFault> {
         let mut head = Vec::new();

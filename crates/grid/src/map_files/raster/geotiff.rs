@@ -48,21 +48,21 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
         return Err(RasterFault::Damaged { message: "its header gives its size twice".into() });
     }
     let crs = geo_keys(&mut decoder)?;
-    let place = Place::read(&mut decoder, crs.as_ref())?;
+    let place = RasterCorner::read(&mut decoder, crs.as_ref())?;
     let cell_m = place.cell_m;
     let south_m = if place.south_first { place.edge_m } else { place.edge_m - rows as f64 * cell_m };
     let coordinates = crs.as_ref().and_then(GeoKeys::coordinates);
     check_place([place.west_m, south_m], [cols, rows], cell_m, coordinates)?;
     let nodata = nodata(&mut decoder)?;
     let mut items = BandItems::read(&mut decoder, bands)?;
-    let mut pixels = Pixels { rows, cols, bands, bits, absent: nodata.unwrap_or(0.0) };
+    let mut pixels = TiffPixels { rows, cols, bands, bits, absent: nodata.unwrap_or(0.0) };
     let mut all = pixels.read(&mut decoder)?;
     // As GDAL has it: a mask comes before a value for no data, and that before a band of opacity.
     let has_opacity = [2, 4].contains(&bands) && bits <= 16 && items.last().is_some_and(|last| last.is_opacity);
     let mut valid = None;
     if let Some(image) = mask {
         decoder.seek_to_image(image).map_err(damaged)?;
-        pixels = Pixels { bands: 1, bits: 1, absent: 0.0, ..pixels };
+        pixels = TiffPixels { bands: 1, bits: 1, absent: 0.0, ..pixels };
         if decoder.colortype().map_err(damaged)? != ColorType::Gray(1) {
             pixels.bits = 8;
         }
@@ -159,7 +159,7 @@ fn unfit<T>(message: impl Into<String>) -> Result<T, RasterFault> {
 }
 
 /// The pixels of an image whose head was checked.
-struct Pixels {
+struct TiffPixels {
     rows: usize,
     cols: usize,
     bands: usize,
@@ -168,7 +168,7 @@ struct Pixels {
     absent: f32,
 }
 
-impl Pixels {
+impl TiffPixels {
     /// Reads all strips or tiles by band, and turns the rows over.
     fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<Vec<f32>>, RasterFault> {
         let (width, height) = decoder.chunk_dimensions();
@@ -314,14 +314,14 @@ impl GeoKeys {
 
 /// Where the west end of the first row's outer edge is: the north-west corner, or, if rows go from south to north, the
 /// south-west one.
-struct Place {
+struct RasterCorner {
     west_m: f64,
     edge_m: f64,
     cell_m: f64,
     south_first: bool,
 }
 
-impl Place {
+impl RasterCorner {
     fn read(decoder: &mut TiffDecoder<'_>, crs: Option<&GeoKeys>) -> Result<Self, RasterFault> {
         let mut numbers = |tag| {
             let value = decoder.find_tag(tag).map_err(damaged)?;

@@ -137,7 +137,7 @@ impl Bits<'_> {
 
     /// Returns the columns at which the colour of a row changes, the first to black.
     fn row(&mut self, width: usize) -> Option<Vec<usize>> {
-        let mut changes = Changes::default();
+        let mut changes = ColourChanges::default();
         let mut col = 0;
         while col < width {
             col += self.run(changes.is_black)?;
@@ -153,7 +153,7 @@ impl Bits<'_> {
             [[0b11, 0b1011, 0b100_0011, 0b1000_0011], [0b11, 0b1010, 0b100_0010, 0b1000_0010]];
         const PASS: usize = 0b10001;
         const HORIZONTAL: usize = 0b1001;
-        let mut changes = Changes::default();
+        let mut changes = ColourChanges::default();
         // The row begins left of its first pixel, so that a change above that pixel counts.
         let mut col: Option<usize> = None;
         while col.is_none_or(|col| col < width) {
@@ -191,12 +191,12 @@ impl Bits<'_> {
 
 /// The columns at which the colour of a row changes, in ascending order.
 #[derive(Default)]
-struct Changes {
+struct ColourChanges {
     columns: Vec<usize>,
     is_black: bool,
 }
 
-impl Changes {
+impl ColourChanges {
     /// Appends a change; with one at the same column it is none. `None` if it lies left of the last or beyond the row.
     fn push(&mut self, col: usize, width: usize) -> Option<()> {
         self.is_black = !self.is_black;

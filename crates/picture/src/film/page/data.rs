@@ -82,7 +82,7 @@ struct AgentData {
     body_m: Vec<f64>,
     start: [i64; 3],
     steps: StepTable,
-    legs: LegTable,
+    legs: PageLegs,
     stops: StopTable,
 }
 
@@ -103,7 +103,7 @@ struct StepTable {
 
 /// The legs of an agent, with their pieces one after the other.
 #[derive(Default, Serialize)]
-struct LegTable {
+struct PageLegs {
     from_ns: Vec<i64>,
     /// When it sets out at the earliest, after `from_ns`.
     wait_ns: Vec<i64>,
@@ -296,9 +296,9 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
     table
 }
 
-fn leg_table(run: &RunView, agent: usize) -> LegTable {
+fn leg_table(run: &RunView, agent: usize) -> PageLegs {
     let timeline = run.timeline();
-    let mut table = LegTable::default();
+    let mut table = PageLegs::default();
     for leg in run.index().legs_of(agent) {
         let trajectory = leg.trajectory(timeline);
         let [x, y, heading] = pose(trajectory.start());
@@ -313,7 +313,7 @@ fn leg_table(run: &RunView, agent: usize) -> LegTable {
         table.pieces.push(trajectory.pieces().len());
         trajectory.pieces().iter().for_each(|piece| push_piece(&mut table.piece, piece));
     }
-    let LegTable { from_ns, x, y, driven_m, .. } = &mut table;
+    let PageLegs { from_ns, x, y, driven_m, .. } = &mut table;
     for column in [from_ns, x, y, driven_m] {
         *column = differences(column.iter().copied());
     }
@@ -518,7 +518,7 @@ mod tests {
     }
 
     impl ReadLeg {
-        fn new(table: &LegTable, index: usize) -> Self {
+        fn new(table: &PageLegs, index: usize) -> Self {
             let x = sums(&table.x)[index] as f64 / PER_METRE;
             let y = sums(&table.y)[index] as f64 / PER_METRE;
             let first: usize = table.pieces[..index].iter().sum();

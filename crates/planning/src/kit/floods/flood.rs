@@ -35,7 +35,7 @@ pub struct Flood {
     profile: ClearanceProfile,
     motions: [Segment; 6],
     bins: BinPages,
-    found: Vec<Found>,
+    found: Vec<FoundPose>,
     /// Poses found and not yet spread from; the first belongs to `found[next]`.
     frontier: VecDeque<Pose>,
     next: usize,
@@ -46,7 +46,7 @@ pub struct Flood {
 
 /// A pose found: the motion that found it, and where its body centre is, which is all that questions need.
 #[derive(Clone, Copy, Debug)]
-struct Found {
+struct FoundPose {
     parent: u32,
     motion: u8,
     centre: PackedCentre,
@@ -154,7 +154,7 @@ impl Flood {
     fn keep(&mut self, pose: Pose, parent: u32, motion: u8) {
         self.bins.set(pose, self.found.len() as u32);
         let centre = self.checker.body().body_centre(pose).as_vec2();
-        self.found.push(Found { parent, motion, centre });
+        self.found.push(FoundPose { parent, motion, centre });
         self.frontier.push_back(pose);
     }
 
@@ -331,7 +331,7 @@ mod tests {
             flood.grow(200_000);
             let BinPages { blocks, pages, poses, .. } = &flood.bins;
             let bins = size_of::<u32>() * (blocks.capacity() + pages.capacity() + poses.capacity());
-            let lists = size_of::<Found>() * flood.found.capacity() + size_of::<Pose>() * flood.frontier.capacity();
+            let lists = size_of::<FoundPose>() * flood.found.capacity() + size_of::<Pose>() * flood.frontier.capacity();
             let expected = (bins + lists) as u64;
             assert!(expected <= memory.reserved(), "{expected} of {}", memory.reserved());
             drop(flood);

@@ -5,7 +5,7 @@ use crate::kit::best_first::AnalyticExpansion;
 use crate::kit::clearance_profile::ClearanceProfile;
 use crate::kit::drive_cost::CostModel;
 use crate::kit::ends::{explain_failure, free_ends};
-use crate::kit::heuristic::Heuristic;
+use crate::kit::heuristic::PoseHeuristic;
 use crate::kit::target::Target;
 use crate::memory::MemoryMeter;
 use crate::observer::PlanningObserver;
@@ -114,7 +114,7 @@ pub struct FloodSearch {
     checker: CollisionChecker,
     memory: MemoryMeter,
     /// Finds the shortest ways into goals.
-    heuristic: Heuristic,
+    heuristic: PoseHeuristic,
     floods: Option<Floods>,
     /// Poses that may still be spread from.
     left: u32,
@@ -125,7 +125,7 @@ impl FloodSearch {
         Self {
             checker: checker.clone(),
             memory: memory.clone(),
-            heuristic: Heuristic::new(CostModel::Length { cusp_m: 0.0 }, checker.body()),
+            heuristic: PoseHeuristic::new(CostModel::Length { cusp_m: 0.0 }, checker.body()),
             floods: None,
             left: 0,
         }

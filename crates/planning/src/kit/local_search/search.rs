@@ -32,7 +32,7 @@ const NO_WAY: u32 = u32::MAX;
 
 /// The progress of a reached pose along the waypoints.
 #[derive(Clone, Copy, Debug)]
-pub struct Progress {
+pub struct WaypointProgress {
     /// The waypoint that comes next; the last one stands for the goal disc.
     waypoint: u32,
     /// The best turn and straight to it, in the list of ways, or [`NO_WAY`].
@@ -74,7 +74,7 @@ impl PrimitiveQuery<'_> {
 /// A* over poses with motion primitives; its memory is kept between searches.
 #[derive(Debug)]
 pub struct PrimitiveSearch {
-    search: PoseSearch<Progress, Steered>,
+    search: PoseSearch<WaypointProgress, Steered>,
     primitives: Primitives,
 }
 
@@ -137,10 +137,10 @@ impl PrimitiveSearch {
         self.primitives.begin(query.waypoints);
         let mut space = PrimitiveSpace { query, primitives: &mut self.primitives };
         if query.is_inside(query.start) {
-            self.search.begin(&mut space, [], Progress { waypoint: 0, way: NO_WAY });
+            self.search.begin(&mut space, [], WaypointProgress { waypoint: 0, way: NO_WAY });
             return Ok(Path::standing(query.start));
         }
-        self.search.begin(&mut space, [query.start], Progress { waypoint: 0, way: NO_WAY });
+        self.search.begin(&mut space, [query.start], WaypointProgress { waypoint: 0, way: NO_WAY });
         self.search.run(&mut space, budget)
     }
 }
@@ -219,7 +219,7 @@ impl PrimitiveSpace<'_> {
 }
 
 impl SearchSpace for PrimitiveSpace<'_> {
-    type Mark = Progress;
+    type Mark = WaypointProgress;
     type Custom = Steered;
 
     /// One step adds a turn and a straight, the motions that follow, and ways to the waypoints ahead.
@@ -234,9 +234,9 @@ impl SearchSpace for PrimitiveSpace<'_> {
     }
 
     /// Estimates the cost along the waypoints to the goal. The curve into a goal pose waits until the node is expanded.
-    fn estimate(&mut self, node: &mut Node<Progress>) -> Option<f64> {
+    fn estimate(&mut self, node: &mut Node<WaypointProgress>) -> Option<f64> {
         let waypoint = self.next_waypoint(node.pose, node.mark.waypoint);
-        node.mark = Progress { waypoint, way: NO_WAY };
+        node.mark = WaypointProgress { waypoint, way: NO_WAY };
         if let Goal::Pose(end) = self.query.goal
             && self.query.is_last(waypoint)
         {
@@ -266,7 +266,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         None
     }
 
-    fn analytic_expansion(&self, node: &Node<Progress>) -> AnalyticExpansion {
+    fn analytic_expansion(&self, node: &Node<WaypointProgress>) -> AnalyticExpansion {
         let Goal::Pose(end) = self.query.goal else { unreachable!("curves are offered to poses only") };
         AnalyticExpansion::new(self.primitives.curve(node.pose, end).segments(), node.cost_to_go)
     }
@@ -275,7 +275,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         let index = from.node;
         let node = *search.node(index);
         let weight = self.weight();
-        let Progress { waypoint, way } = node.mark;
+        let WaypointProgress { waypoint, way } = node.mark;
         let to_pose = matches!(self.query.goal, Goal::Pose(_));
         if to_pose && self.query.is_last(waypoint) {
             search.push(node.cost + weight * node.cost_to_go, node.cost, index, Step::Arrive);
@@ -325,7 +325,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         if !self.motion_is_free(turn.end(start.pose), straight) || !self.motion_is_free(start.pose, turn) {
             return None;
         }
-        let mut node = Node { mark: Progress { waypoint: steered.waypoint, way: NO_WAY }, ..start };
+        let mut node = Node { mark: WaypointProgress { waypoint: steered.waypoint, way: NO_WAY }, ..start };
         let mut parent = from.node;
         let pieces = [turn, straight].map(|piece| (piece.length_m != 0.0).then_some(piece));
         let last = if pieces[1].is_some() { 1 } else { 0 };

@@ -21,7 +21,7 @@ use crate::kit::target::Target;
 use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
 use crate::registry::{BuiltInPlanner, Charge, PlannerContext, RoadmapSize, TruckPlannerSettings};
 use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
-use roadmap::{Roadmap, RoadmapScratch, Route};
+use roadmap::{Roadmap, RoadmapRoute, RoadmapScratch};
 use wildfire_base::query::SearchPhase;
 
 /// The roadmap leads this near to a goal pose, and motion primitives and a curve from there on.
@@ -89,7 +89,7 @@ impl PrmPrimitives {
             return Ok(Found { path: Path::standing(start), by: FoundBy::Straight });
         }
         observer.begins(Some(PlanningWork::Roadmap));
-        let route = if is_near { Ok(Route::default()) } else { self.route(centre, near, observer) };
+        let route = if is_near { Ok(RoadmapRoute::default()) } else { self.route(centre, near, observer) };
         observer.begins(Some(PlanningWork::Local));
         let path = route.and_then(|route| {
             let end = match (self.goal, goal, route.waypoints.last()) {
@@ -128,7 +128,7 @@ impl PrmPrimitives {
         centre: DVec2,
         goal: GoalDisc,
         observer: &mut dyn PlanningObserver,
-    ) -> Result<Route, PlanFailure> {
+    ) -> Result<RoadmapRoute, PlanFailure> {
         let route = self.roadmap.route(centre, goal, &mut self.scratch);
         observer.on_edges_examined(SearchPhase::Query, &mut self.roadmap.examined(centre, &self.scratch));
         let mut route = route?;

@@ -27,7 +27,7 @@ use crate::collision::CollisionChecker;
 use crate::kit::clearance_profile::ClearanceProfile;
 use crate::kit::drive_cost::CostModel;
 use crate::kit::ends::free_ends;
-use crate::kit::heuristic::Heuristic;
+use crate::kit::heuristic::PoseHeuristic;
 use crate::kit::milestone_tiles::is_small;
 use crate::kit::path_improvement::{Improvement, PathImprover};
 use crate::kit::relaxed_search::RelaxedSearch;
@@ -55,7 +55,7 @@ const MAX_REMEMBERED: usize = 40_000;
 pub struct PrmRs {
     checker: CollisionChecker,
     improvement: Improvement,
-    heuristic: Heuristic,
+    heuristic: PoseHeuristic,
     roadmap: Roadmap,
     /// Whether its components are still to be joined.
     is_unjoined: bool,
@@ -86,7 +86,7 @@ impl PrmRs {
             memory: memory.clone(),
             checker: checker.clone(),
             improvement: improvement(settings),
-            heuristic: Heuristic::new(cost, checker.body()),
+            heuristic: PoseHeuristic::new(cost, checker.body()),
             search: RoadmapSearch::new(checker.body(), memory, &roadmap),
             roadmap,
             improver: PathImprover::new(checker, cost),

@@ -19,7 +19,7 @@ use super::near::Places;
 use super::sample::{MOTIONS, Sampler, expand_near};
 use crate::kit::clearance_profile::longest_first;
 use crate::kit::drive_cost::CostModel;
-use crate::kit::milestone_tiles::{CellBlock, SampleSink, Tiles};
+use crate::kit::milestone_tiles::{CellBlock, MilestoneTiles, SampleSink};
 use crate::kit::relaxation::Stage;
 use crate::kit::roadmap_graph::{Link, RoadmapGraph};
 
@@ -61,7 +61,7 @@ pub struct Roadmap {
     neighbours: usize,
     max_edge_m: f64,
     nodes: Vec<Milestone>,
-    edges: Vec<Edge>,
+    edges: Vec<RoadmapEdge>,
     ways: Vec<PricedCurve>,
     mode: RoadmapMode,
     /// The sets of nodes joined by edges that keep the wanted clearance.
@@ -92,7 +92,7 @@ enum RoadmapMode {
     Eager { places: Places, graph: RoadmapGraph },
     /// The nodes of the tiles near which searches have come.
     Lazy {
-        tiles: Tiles,
+        tiles: MilestoneTiles,
         sampling: TileSampling,
         /// The first link of a node that a search left, and the one after its last. Links have the numbers of their edges,
         /// each of which belongs to the node that it begins at.
@@ -137,7 +137,7 @@ impl SampleSink for TileSampler<'_> {
 
 /// A curve from one node to another.
 #[derive(Debug)]
-struct Edge {
+struct RoadmapEdge {
     nodes: [u32; 2],
     /// Index of the curve, once it is known.
     way: Option<u32>,
@@ -168,7 +168,7 @@ impl Roadmap {
             corner_places: settings.corner_places,
             clearance_m: settings.clearance_m,
         };
-        Self::with(RoadmapMode::Lazy { tiles: Tiles::new(frame, key), sampling, links: Vec::new() }, context)
+        Self::with(RoadmapMode::Lazy { tiles: MilestoneTiles::new(frame, key), sampling, links: Vec::new() }, context)
     }
 
     fn with(mode: RoadmapMode, context: &RoadmapSite<'_>) -> Self {
@@ -241,7 +241,7 @@ impl Roadmap {
         near.retain(|&(_, other)| other != node);
         self.keep_nearest(&here, self.neighbours_when_lazy(), &mut near);
         let first = self.edges.len() as u32;
-        let edges = near.iter().map(|&(_, to)| Edge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
+        let edges = near.iter().map(|&(_, to)| RoadmapEdge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
         self.edges.extend(edges);
         if let RoadmapMode::Lazy { links, .. } = &mut self.mode {
             links.resize(self.nodes.len(), None);
@@ -330,7 +330,7 @@ impl Roadmap {
             let number = self.nodes.len() as u32;
             self.within(pose.position(), self.max_edge_m, &mut near);
             self.keep_nearest(&node, self.neighbours, &mut near);
-            self.edges.extend(near.iter().map(|&(_, other)| Edge {
+            self.edges.extend(near.iter().map(|&(_, other)| RoadmapEdge {
                 nodes: [other, number],
                 way: None,
                 is_free: [None; LEVELS],

@@ -7,7 +7,7 @@ use crate::kit::best_first::{
     AnalyticExpansion, Candidate, NO_MOTION, Node, PoseSearch, ROOT, SearchFailure, SearchOf, SearchSpace, Step,
 };
 use crate::kit::clearance_profile::ClearanceProfile;
-use crate::kit::heuristic::Heuristic;
+use crate::kit::heuristic::PoseHeuristic;
 use crate::kit::lattice::Lattice;
 use crate::kit::target::Target;
 use crate::memory::{CapacityBytes, MemoryMeter};
@@ -40,7 +40,7 @@ const LATTICE: Lattice = Lattice { bin_m: 2.5, headings: 24, step_m: 4.0 };
 #[derive(Clone, Copy, Debug)]
 pub struct RoadmapQuery<'a> {
     pub checker: &'a CollisionChecker,
-    pub heuristic: &'a Heuristic,
+    pub heuristic: &'a PoseHeuristic,
     pub profile: &'a ClearanceProfile,
     pub level: ClearanceLevel,
     pub start: Pose,
@@ -67,7 +67,7 @@ enum NodeEntry {
 
 /// A step along the roadmap that is still to be judged.
 #[derive(Clone, Copy, Debug)]
-enum Along {
+enum RoadmapStep {
     /// Compute the curve to a milestone.
     Curve { to: u32 },
     /// Compute the curve of a link.
@@ -78,7 +78,7 @@ enum Along {
 
 /// A milestone and a direction in which it is reached, as a search sees it.
 #[derive(Clone, Copy, Debug, Default)]
-struct State {
+struct DirectedMilestone {
     /// The search that wrote the rest.
     generation: u64,
     is_closed: bool,
@@ -92,7 +92,7 @@ struct State {
 /// what holds for an edge whether it is known or not.
 #[derive(Debug)]
 pub struct RoadmapSearch {
-    search: PoseSearch<Mark, Along>,
+    search: PoseSearch<Mark, RoadmapStep>,
     notes: Notes,
 }
 
@@ -100,7 +100,7 @@ pub struct RoadmapSearch {
 #[derive(Debug)]
 struct Notes {
     /// Two for each milestone.
-    states: Vec<State>,
+    states: Vec<DirectedMilestone>,
     generation: u64,
     curves: Vec<PricedCurve>,
     expansions: Vec<AnalyticExpansion>,
@@ -115,7 +115,7 @@ struct Notes {
 impl RoadmapSearch {
     pub fn new(body: &Dimensions, memory: &MemoryMeter, roadmap: &Roadmap) -> Self {
         let notes = Notes {
-            states: vec![State::default(); 2 * roadmap.node_count()],
+            states: vec![DirectedMilestone::default(); 2 * roadmap.node_count()],
             generation: 0,
             curves: Vec::new(),
             expansions: Vec::new(),
@@ -176,7 +176,7 @@ impl Notes {
     /// Makes room for the milestones that a roadmap has come to have.
     fn know(&mut self, roadmap: &Roadmap) {
         if self.states.len() < 2 * roadmap.node_count() {
-            self.states.resize(2 * roadmap.node_count(), State::default());
+            self.states.resize(2 * roadmap.node_count(), DirectedMilestone::default());
         }
     }
 
@@ -237,7 +237,7 @@ impl RoadmapSpace<'_> {
     }
 
     /// Offers curves from the start to the milestones about it, at what they cannot cost less than.
-    fn offer_milestones(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>) {
+    fn offer_milestones(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>) {
         let start = self.query.start;
         self.roadmap.near(start.position(), LINK_M, &mut self.notes.near);
         self.notes.know(self.roadmap);
@@ -245,7 +245,7 @@ impl RoadmapSpace<'_> {
             let pose = self.roadmap.pose(to);
             let cost = min_length_m(self.query.checker.body().turning_radius_m, start, pose);
             let key = cost + self.limits.weight * self.min_cost_to_go(pose);
-            search.push(key.max(from.key), cost, from.node, Step::Custom(Along::Curve { to }));
+            search.push(key.max(from.key), cost, from.node, Step::Custom(RoadmapStep::Curve { to }));
         }
     }
 
@@ -266,7 +266,7 @@ impl RoadmapSpace<'_> {
         }
     }
 
-    fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, to: u32) {
+    fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, to: u32) {
         let serves = match self.notes.roadmap_serves {
             Some(cached) => cached,
             None => self.leads_to_goal(),
@@ -287,7 +287,7 @@ impl RoadmapSpace<'_> {
         self.offer(search, from.at_cost(cost), state_of(to, last), via);
     }
 
-    fn work_out_link(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, number: u32) {
+    fn work_out_link(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, number: u32) {
         let here = *search.node(from.node);
         let link = self.roadmap.link(number);
         let bridge = self.roadmap.bridge(link);
@@ -297,22 +297,23 @@ impl RoadmapSpace<'_> {
     }
 
     /// Offers a state at the estimate of the whole way by it.
-    fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: NodeEntry) {
+    fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, index: u32, via: NodeEntry) {
         let generation = self.notes.generation;
         if self.notes.states[index as usize].generation != generation {
             let (cost_to_go, expansion) = self.value(self.roadmap.pose(index / 2), Some(index % 2 == 1));
-            self.notes.states[index as usize] = State { generation, is_closed: false, cost_to_go, expansion };
+            self.notes.states[index as usize] =
+                DirectedMilestone { generation, is_closed: false, cost_to_go, expansion };
         }
         let state = &self.notes.states[index as usize];
         if !state.is_closed {
             let key = (from.cost + self.limits.weight * state.cost_to_go).max(from.key);
-            search.push(key, from.cost, from.node, Step::Custom(Along::Enter { state: index, via }));
+            search.push(key, from.cost, from.node, Step::Custom(RoadmapStep::Enter { state: index, via }));
         }
     }
 
     /// Closes a state if the way to it is free, and offers the links from there.
-    fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, index: u32, via: NodeEntry) {
-        let State { is_closed, cost_to_go, expansion, .. } = self.notes.states[index as usize];
+    fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, index: u32, via: NodeEntry) {
+        let DirectedMilestone { is_closed, cost_to_go, expansion, .. } = self.notes.states[index as usize];
         if is_closed || !self.way_is_free(search, from.node, via) {
             return;
         }
@@ -342,7 +343,7 @@ impl RoadmapSpace<'_> {
             // What a link costs at least holds whether its curve is known or not.
             let cost = from.cost + self.roadmap.min_m(node, link.to);
             let key = cost + self.limits.weight * self.min_cost_to_go(self.roadmap.pose(link.to));
-            search.push(key.max(from.key), cost, reached, Step::Custom(Along::Link { link: number }));
+            search.push(key.max(from.key), cost, reached, Step::Custom(RoadmapStep::Link { link: number }));
         }
     }
 
@@ -360,7 +361,7 @@ impl RoadmapSpace<'_> {
 
 impl SearchSpace for RoadmapSpace<'_> {
     type Mark = Mark;
-    type Custom = Along;
+    type Custom = RoadmapStep;
 
     /// One step adds a pose, a curve, two expansions, and what is offered from there. A search that has entered as many
     /// milestones as it may ends as one without memory does, and the planner asks for less.
@@ -392,7 +393,7 @@ impl SearchSpace for RoadmapSpace<'_> {
     }
 
     /// Offers the motions from a pose near the start, and from the start curves to the milestones about it.
-    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>) {
+    fn offer_successors(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>) {
         let Node { parent, cost, .. } = *search.node(from.node);
         if parent == ROOT {
             self.offer_milestones(search, from);
@@ -407,11 +408,11 @@ impl SearchSpace for RoadmapSpace<'_> {
         self.query.profile.motion_is_free(self.query.checker, from, motion)
     }
 
-    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<Along>, step: Along) -> Option<u32> {
+    fn take(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, step: RoadmapStep) -> Option<u32> {
         match step {
-            Along::Curve { to } => self.work_out_curve(search, from, to),
-            Along::Link { link } => self.work_out_link(search, from, link),
-            Along::Enter { state, via } => self.enter(search, from, state, via),
+            RoadmapStep::Curve { to } => self.work_out_curve(search, from, to),
+            RoadmapStep::Link { link } => self.work_out_link(search, from, link),
+            RoadmapStep::Enter { state, via } => self.enter(search, from, state, via),
         }
         None
     }

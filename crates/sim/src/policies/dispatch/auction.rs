@@ -57,7 +57,7 @@ impl Assignment for Auction {
 
 /// A stop of a route: a fire.
 #[derive(Clone, Copy, Debug)]
-pub struct Stop {
+pub struct RouteStop {
     /// Its number among the open fires.
     pub fire: usize,
     /// The time at which it is extinguished.
@@ -68,16 +68,16 @@ pub struct Stop {
 
 /// The stops of a truck, in order.
 #[derive(Clone, Debug)]
-pub struct Route<'a> {
+pub struct TruckRoute<'a> {
     pub truck: &'a TeamTruck,
-    pub stops: Vec<Stop>,
+    pub stops: Vec<RouteStop>,
     /// What the truck bids for its route as it is, the best last.
-    bids: Vec<Bid>,
+    bids: Vec<Insertion>,
 }
 
 /// The best place for a fire in a truck's route.
 #[derive(Clone, Copy, Debug)]
-struct Bid {
+struct Insertion {
     bushes: u32,
     /// The time from setting out until the fire is out, the delay of what comes after it, and a little of the time from now
     /// until then. To count all of that time instead, and the delay of each stop that comes after, saves far less: trucks then
@@ -88,7 +88,7 @@ struct Bid {
     at: usize,
 }
 
-impl Bid {
+impl Insertion {
     /// Returns whether this one is better: more bushes, then less time, then the smaller cell index.
     fn beats(&self, other: &Self) -> bool {
         let by_cost = other.cost_s.total_cmp(&self.cost_s);
@@ -97,16 +97,17 @@ impl Bid {
 }
 
 /// Auctions the fires and returns the routes of all trucks by number.
-pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<Route<'a>> {
+pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<TruckRoute<'a>> {
     let auctioneer = Auctioneer { open, threats: threats(open.team, &open.fires) };
     let mut won = vec![false; open.fires.len()];
     let trucks = open.team.trucks.iter();
-    let mut routes: Vec<Route<'_>> = trucks.map(|truck| Route { truck, stops: Vec::new(), bids: Vec::new() }).collect();
+    let mut routes: Vec<TruckRoute<'_>> =
+        trucks.map(|truck| TruckRoute { truck, stops: Vec::new(), bids: Vec::new() }).collect();
     for route in &mut routes {
         route.bids = auctioneer.bids(route, &won, effort);
     }
     loop {
-        let mut best: Option<(usize, Bid)> = None;
+        let mut best: Option<(usize, Insertion)> = None;
         for (number, route) in routes.iter_mut().enumerate() {
             // What others have won meanwhile is off the list; the rest of it stays as it was. A list that ends before the fires
             // do is drawn up again.
@@ -136,7 +137,7 @@ struct Auctioneer<'a> {
 
 impl Auctioneer<'_> {
     /// Draws up a truck's bids for fires that nobody has won, the best last.
-    fn bids(&self, route: &Route<'_>, won: &[bool], effort: &mut u64) -> Vec<Bid> {
+    fn bids(&self, route: &TruckRoute<'_>, won: &[bool], effort: &mut u64) -> Vec<Insertion> {
         if route.stops.len() >= MAX_STOPS {
             return Vec::new();
         }
@@ -157,9 +158,9 @@ impl Auctioneer<'_> {
         }
         near.sort_unstable();
         near.dedup();
-        let mut bids: Vec<Bid> = Vec::new();
+        let mut bids: Vec<Insertion> = Vec::new();
         for fire in near {
-            let mut best: Option<Bid> = None;
+            let mut best: Option<Insertion> = None;
             for at in 0..=route.stops.len() {
                 *effort += 1;
                 let bid = self.bid(route, fire, at);
@@ -174,7 +175,7 @@ impl Auctioneer<'_> {
     }
 
     /// Reckons what a fire at a place in a route gains; `None` if it, or what comes after it, would be late.
-    fn bid(&self, route: &Route<'_>, fire: usize, at: usize) -> Option<Bid> {
+    fn bid(&self, route: &TruckRoute<'_>, fire: usize, at: usize) -> Option<Insertion> {
         let (team, truck) = (self.open.team, route.truck);
         let (from, departs) = self.before(route, at);
         let place = self.open.fires[fire].place;
@@ -186,12 +187,12 @@ impl Auctioneer<'_> {
         let kept_s = if at == 0 && truck.goal == Some(self.open.fires[fire].cell) { KEPT_S } else { 0.0 };
         let bushes = bushes_saved(self.open, &self.threats, fire, out_at);
         let later_s = LATER_S * (out_at - team.now).as_seconds();
-        Some(Bid { bushes, cost_s: (out_at - departs + delay).as_seconds() + later_s - kept_s, fire, at })
+        Some(Insertion { bushes, cost_s: (out_at - departs + delay).as_seconds() + later_s - kept_s, fire, at })
     }
 
     /// Reckons by how much later the last stop of a route is over if another one, at this place and over at this time, comes
     /// in between; `None` if that makes the truck late for one of them.
-    fn delay_of_rest(&self, route: &Route<'_>, at: usize, (place, out_at): (DVec2, SimTime)) -> Option<SimTime> {
+    fn delay_of_rest(&self, route: &TruckRoute<'_>, at: usize, (place, out_at): (DVec2, SimTime)) -> Option<SimTime> {
         let (team, truck) = (self.open.team, route.truck);
         let mut delay = SimTime::ZERO;
         let (mut from, mut departs) = (place, out_at);
@@ -216,7 +217,7 @@ impl Auctioneer<'_> {
     }
 
     /// From where, and when, a truck sets out for a place in its route.
-    fn before(&self, route: &Route<'_>, at: usize) -> (DVec2, SimTime) {
+    fn before(&self, route: &TruckRoute<'_>, at: usize) -> (DVec2, SimTime) {
         let from = match at.checked_sub(1).map(|before| route.stops[before]) {
             Some(stop) => (self.open.fires[stop.fire].place, stop.out_at),
             None => (route.truck.place, self.open.team.sets_out_at(route.truck)),
@@ -234,9 +235,9 @@ impl Auctioneer<'_> {
         if is_dry { self.open.team.refilled(truck.speed_mps, from.0, from.1, 0) } else { from }
     }
 
-    fn insert(&self, route: &mut Route<'_>, bid: Bid) {
+    fn insert(&self, route: &mut TruckRoute<'_>, bid: Insertion) {
         let fire = &self.open.fires[bid.fire];
-        route.stops.insert(bid.at, Stop { fire: bid.fire, out_at: SimTime::ZERO, due: self.open.team.due(fire) });
+        route.stops.insert(bid.at, RouteStop { fire: bid.fire, out_at: SimTime::ZERO, due: self.open.team.due(fire) });
         for at in bid.at..route.stops.len() {
             let (from, departs) = self.before(route, at);
             let place = self.open.fires[route.stops[at].fire].place;
@@ -303,11 +304,11 @@ mod tests {
     fn by_definition(open: &OpenFires<'_>) -> Vec<Vec<usize>> {
         let auctioneer = Auctioneer { open, threats: threats(open.team, &open.fires) };
         let trucks = open.team.trucks.iter();
-        let mut routes: Vec<Route<'_>> =
-            trucks.map(|truck| Route { truck, stops: Vec::new(), bids: Vec::new() }).collect();
+        let mut routes: Vec<TruckRoute<'_>> =
+            trucks.map(|truck| TruckRoute { truck, stops: Vec::new(), bids: Vec::new() }).collect();
         loop {
             let free = |fire: &usize| routes.iter().all(|route| route.stops.iter().all(|stop| stop.fire != *fire));
-            let mut best: Option<(usize, Bid)> = None;
+            let mut best: Option<(usize, Insertion)> = None;
             for (number, route) in routes.iter().enumerate() {
                 for fire in (0..open.fires.len()).filter(free) {
                     for at in 0..=route.stops.len() {

@@ -36,7 +36,7 @@ impl Loss {
 
 /// A team from which forecasts begin.
 #[derive(Clone, Debug)]
-pub struct Forecast<'a> {
+pub struct TeamForecast<'a> {
     team: &'a Team<'a>,
     /// Offsets of cells that a fire reaches.
     near: Vec<(i32, i32)>,
@@ -69,13 +69,13 @@ struct FutureTruck {
 
 /// What comes due, in the order in which it happens at one instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Due {
+enum ForecastEvent {
     TruckFree(usize),
     BurnOut(usize),
     Spread(usize),
 }
 
-impl<'a> Forecast<'a> {
+impl<'a> TeamForecast<'a> {
     pub fn new(team: &'a Team<'a>) -> Self {
         let near = team.rules.spread.map_or(Vec::new(), |(radius_m, _)| cells_within(radius_m, team));
         let fires = team.fires.iter().map(|fire| FutureFire {
@@ -116,7 +116,7 @@ impl<'a> Forecast<'a> {
                 let goal = seen.goal.and_then(number);
                 future.trucks[truck].goal = goal;
                 goal.into_iter().for_each(|goal| future.fires[goal].is_claimed = true);
-                future.due.push(Reverse((self.team.sets_out_at(seen), Due::TruckFree(truck))));
+                future.due.push(Reverse((self.team.sets_out_at(seen), ForecastEvent::TruckFree(truck))));
             }
         }
         for &(truck, cell) in goals {
@@ -129,7 +129,7 @@ impl<'a> Forecast<'a> {
 }
 
 struct Future<'a> {
-    of: &'a Forecast<'a>,
+    of: &'a TeamForecast<'a>,
     now: SimTime,
     fires: Vec<FutureFire>,
     /// How many of them burn.
@@ -139,7 +139,7 @@ struct Future<'a> {
     trucks: Vec<FutureTruck>,
     /// What has caught fire since the forecast began.
     ignited: BTreeSet<Cell>,
-    due: BinaryHeap<Reverse<(SimTime, Due)>>,
+    due: BinaryHeap<Reverse<(SimTime, ForecastEvent)>>,
     loss: Loss,
 }
 
@@ -151,15 +151,15 @@ impl Future<'_> {
             self.due.pop();
             self.wait_until(time);
             match due {
-                Due::TruckFree(truck) => {
+                ForecastEvent::TruckFree(truck) => {
                     if let Some(goal) = self.trucks[truck].goal.take() {
                         self.end_fire(goal);
                     }
                     self.trucks[truck].is_free = true;
                 }
-                Due::BurnOut(fire) => self.loss.bushes += u32::from(self.end_fire(fire)),
-                Due::Spread(fire) if self.fires[fire].burns => self.spread(self.fires[fire].cell),
-                Due::Spread(_) => {}
+                ForecastEvent::BurnOut(fire) => self.loss.bushes += u32::from(self.end_fire(fire)),
+                ForecastEvent::Spread(fire) if self.fires[fire].burns => self.spread(self.fires[fire].cell),
+                ForecastEvent::Spread(_) => {}
             }
             // Who is free chooses when all of this instant has happened.
             if self.due.peek().is_none_or(|&Reverse((next, _))| next > time) {
@@ -186,7 +186,7 @@ impl Future<'_> {
     /// Puts what follows on an ignition into the queue.
     fn expect(&mut self, fire: usize) {
         let FutureFire { burns_out, spreads_at, .. } = self.fires[fire];
-        let events = [(burns_out, Due::BurnOut(fire)), (spreads_at, Due::Spread(fire))];
+        let events = [(burns_out, ForecastEvent::BurnOut(fire)), (spreads_at, ForecastEvent::Spread(fire))];
         self.due.extend(events.into_iter().filter(|&(time, _)| time <= self.of.end).map(Reverse));
     }
 
@@ -217,7 +217,7 @@ impl Future<'_> {
         self.fires[fire].is_claimed = true;
         self.trucks[truck] =
             FutureTruck { place: self.fires[fire].place, speed_mps, is_free: false, is_idle: false, goal: Some(fire) };
-        self.due.push(Reverse((out_at, Due::TruckFree(truck))));
+        self.due.push(Reverse((out_at, ForecastEvent::TruckFree(truck))));
     }
 
     /// Sends free trucks to the nearest fires that they can save, always the truck first whose fire is out first.
@@ -268,7 +268,7 @@ mod tests {
 
     fn loss(sample: &Sample, goals: &[(usize, (u16, u16))]) -> Loss {
         let goals: Vec<(usize, Cell)> = goals.iter().map(|&(truck, cell)| (truck, cell.into())).collect();
-        Forecast::new(&sample.team()).play(&goals)
+        TeamForecast::new(&sample.team()).play(&goals)
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! each truck in turn tries another of its nearest fires, or to wait, with the others' goals as they are.
 
 use super::auction::Auction;
-use super::forecast::{Forecast, Loss};
+use super::forecast::{Loss, TeamForecast};
 use super::hungarian::Hungarian;
 use super::nearest_savable::{NearestSavable, nearest_first};
 use super::open_fires::OpenFires;
@@ -30,7 +30,7 @@ pub struct Rollout {
 }
 
 /// The goals of trucks that are asked, by their places in the team, as numbers of open fires.
-type Plan = Vec<(usize, Option<usize>)>;
+type GoalAssignment = Vec<(usize, Option<usize>)>;
 
 impl Assignment for Rollout {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
@@ -38,8 +38,8 @@ impl Assignment for Rollout {
         if open.fires.is_empty() || team.queried().next().is_none() {
             return Vec::new();
         }
-        let mut search = Search {
-            forecast: Forecast::new(team),
+        let mut search = RolloutSearch {
+            forecast: TeamForecast::new(team),
             open: &open,
             left: self.rollouts.max(1),
             best: None,
@@ -63,7 +63,7 @@ impl Assignment for Rollout {
 }
 
 /// The plan that trucks keep the goals that they can still save, and the others go for the nearest that is left.
-fn kept(open: &OpenFires<'_>) -> Plan {
+fn kept(open: &OpenFires<'_>) -> GoalAssignment {
     let mut taken = vec![false; open.fires.len()];
     let mut plan = plan_of(open, &[]);
     for (truck, goal) in &mut plan {
@@ -80,7 +80,7 @@ fn kept(open: &OpenFires<'_>) -> Plan {
     plan
 }
 
-fn plan_of(open: &OpenFires<'_>, goals: &[(AgentId, Cell)]) -> Plan {
+fn plan_of(open: &OpenFires<'_>, goals: &[(AgentId, Cell)]) -> GoalAssignment {
     let queried = (0..open.team.trucks.len()).filter(|&truck| open.team.trucks[truck].is_queried);
     let goal_of = |truck: usize| {
         let (_, cell) = goals.iter().find(|(id, _)| *id == open.team.trucks[truck].id)?;
@@ -89,18 +89,18 @@ fn plan_of(open: &OpenFires<'_>, goals: &[(AgentId, Cell)]) -> Plan {
     queried.map(|truck| (truck, goal_of(truck))).collect()
 }
 
-struct Search<'a> {
-    forecast: Forecast<'a>,
+struct RolloutSearch<'a> {
+    forecast: TeamForecast<'a>,
     open: &'a OpenFires<'a>,
     /// Forecasts that may still be made.
     left: u32,
-    best: Option<(Loss, Plan)>,
-    tried: Vec<Plan>,
+    best: Option<(Loss, GoalAssignment)>,
+    tried: Vec<GoalAssignment>,
 }
 
-impl Search<'_> {
+impl RolloutSearch<'_> {
     /// Plays a plan, unless that was done before, and keeps it if it loses less than the best so far. The first has a head start.
-    fn consider(&mut self, plan: Plan) -> bool {
+    fn consider(&mut self, plan: GoalAssignment) -> bool {
         if self.left == 0 || self.tried.contains(&plan) {
             return false;
         }
@@ -119,7 +119,7 @@ impl Search<'_> {
     }
 
     /// Returns the plan that loses least so far.
-    fn best_plan(&self) -> &Plan {
+    fn best_plan(&self) -> &GoalAssignment {
         &self.best.as_ref().expect("a plan was played").1
     }
 
@@ -155,7 +155,7 @@ mod tests {
 
     fn loss(team: &Team<'_>, goals: &[(AgentId, Cell)]) -> Loss {
         let goals: Vec<(usize, Cell)> = goals.iter().map(|&(id, cell)| (usize::from(id.number), cell)).collect();
-        Forecast::new(team).play(&goals)
+        TeamForecast::new(team).play(&goals)
     }
 
     #[test]

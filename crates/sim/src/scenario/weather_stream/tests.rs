@@ -126,7 +126,7 @@ fn streams_say_what_their_manuals_say() {
         let stream = stream.unwrap_or_else(|error| panic!("{error}\n{text}"));
         let [first, second] = &stream.rows[..] else { panic!("two rows: {text}") };
         assert!(second.at_s == HOUR || text.contains(" 30 "), "{text}");
-        use Quantity::{From, Humidity, Rain, Speed, Temperature};
+        use StreamQuantity::{From, Humidity, Rain, Speed, Temperature};
         let number = |quantity| stream.format.number(&first.row, quantity).unwrap_or(f64::NAN);
         let found = [number(Speed), number(From), number(Temperature), number(Humidity), number(Rain), first.hour()];
         let is_calm = found[0] == 0.0;

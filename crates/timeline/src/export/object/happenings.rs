@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{AgentName, PoseObject, Word, pair};
+use super::{AgentLabel, PoseObject, PrintedWord, pair};
 use crate::{AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, GroundFact, RestReason, RunIndex};
 use wildfire_base::geometry::Cell;
 use wildfire_base::query::{Effort, FoundBy, PlanFailure, SearchPhase};
@@ -24,12 +24,12 @@ pub struct EventObject<'a> {
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum Happened<'a> {
     /// A blocked start was moved to the nearest free place before the run began.
-    StartMoved { agent: AgentName, from: PoseObject },
+    StartMoved { agent: AgentLabel, from: PoseObject },
     /// A truck's roadmap was built.
-    RoadmapBuilt { agent: AgentName, samples: u32, edges: u32, components: u32 },
+    RoadmapBuilt { agent: AgentLabel, samples: u32, edges: u32, components: u32 },
     /// The agent can never act on these cells.
     OutOfReach {
-        agent: AgentName,
+        agent: AgentLabel,
         #[schemars(with = "Vec<[u16; 2]>")]
         cells: &'a [Cell],
     },
@@ -42,23 +42,23 @@ enum Happened<'a> {
     /// The fire of a bush ended by itself.
     BurnedOut { cell: [u16; 2] },
     /// A truck put a bush out.
-    Extinguished { cell: [u16; 2], agent: AgentName },
+    Extinguished { cell: [u16; 2], agent: AgentLabel },
     /// The agent goes for a cell; its leg is the one at this place among the legs.
     Planned {
-        agent: AgentName,
+        agent: AgentLabel,
         goal: [u16; 2],
         leg: Option<u32>,
         #[serde(flatten)]
         effort: EffortObject,
         /// What found the path; null for a Wumpus.
         #[schemars(with = "Option<String>")]
-        found_by: Option<Word<FoundBy>>,
+        found_by: Option<PrintedWord<FoundBy>>,
     },
     /// What a search looked at, where that was recorded.
     Searched {
-        agent: AgentName,
+        agent: AgentLabel,
         #[schemars(with = "String")]
-        phase: Word<SearchPhase>,
+        phase: PrintedWord<SearchPhase>,
         /// In whole centimetres east and north.
         #[schemars(with = "Vec<[i32; 2]>")]
         places_cm: &'a [(i32, i32)],
@@ -68,68 +68,68 @@ enum Happened<'a> {
     },
     /// There is no plan for a goal; planning time is charged until then.
     PlanFailed {
-        agent: AgentName,
+        agent: AgentLabel,
         goal: [u16; 2],
         #[schemars(with = "String")]
-        reason: Word<PlanFailure>,
+        reason: PrintedWord<PlanFailure>,
         #[serde(flatten)]
         effort: EffortObject,
         until_ns: u64,
     },
     /// The agent gives its goal up under way and follows this leg to a stop.
-    Dropped { agent: AgentName, goal: [u16; 2], leg: Option<u32> },
+    Dropped { agent: AgentLabel, goal: [u16; 2], leg: Option<u32> },
     /// A truck has arrived and begins to put a cell out.
     Suppressing {
-        agent: AgentName,
+        agent: AgentLabel,
         cell: [u16; 2],
         /// Portions of water that the stop takes, if several.
         #[serde(skip_serializing_if = "Option::is_none")]
         water_units: Option<u32>,
     },
     /// Its cell burns no more before it is done.
-    SuppressionEnded { agent: AgentName, cell: [u16; 2] },
+    SuppressionEnded { agent: AgentLabel, cell: [u16; 2] },
     /// The agent has nothing to do.
     Rested {
-        agent: AgentName,
+        agent: AgentLabel,
         #[schemars(with = "String")]
-        reason: Word<RestReason>,
+        reason: PrintedWord<RestReason>,
     },
     /// A Wumpus's descent met a local minimum here.
-    LocalMinimum { agent: AgentName, goal: [u16; 2], x_m: f64, y_m: f64 },
+    LocalMinimum { agent: AgentLabel, goal: [u16; 2], x_m: f64, y_m: f64 },
     /// Another truck is in the way to all that this one could go for.
-    Blocked { agent: AgentName, goal: [u16; 2], by: AgentName },
+    Blocked { agent: AgentLabel, goal: [u16; 2], by: AgentLabel },
     /// A truck drives aside so that another one can set out.
-    GaveWay { agent: AgentName, to: AgentName, leg: Option<u32> },
+    GaveWay { agent: AgentLabel, to: AgentLabel, leg: Option<u32> },
     /// A truck sets out for a place where it is to wait, or where there is water.
     Relocated {
-        agent: AgentName,
+        agent: AgentLabel,
         x_m: f64,
         y_m: f64,
         leg: Option<u32>,
         #[serde(flatten)]
         effort: EffortObject,
         #[schemars(with = "String")]
-        found_by: Word<FoundBy>,
+        found_by: PrintedWord<FoundBy>,
     },
     /// It is called off on its way there and follows this leg to a stop.
-    Halted { agent: AgentName, leg: Option<u32> },
+    Halted { agent: AgentLabel, leg: Option<u32> },
     /// It stays, as there is no way to the place; without a reason, because other trucks are in the way.
     RelocationFailed {
-        agent: AgentName,
+        agent: AgentLabel,
         x_m: f64,
         y_m: f64,
         #[schemars(with = "Option<String>")]
-        reason: Option<Word<PlanFailure>>,
+        reason: Option<PrintedWord<PlanFailure>>,
         #[serde(flatten)]
         effort: EffortObject,
         until_ns: u64,
     },
     /// A truck fills its tank.
-    Refilling { agent: AgentName, until_ns: u64 },
+    Refilling { agent: AgentLabel, until_ns: u64 },
     /// The run is over.
     Ended {
         #[schemars(with = "String")]
-        reason: Word<EndReason>,
+        reason: PrintedWord<EndReason>,
     },
 }
 
@@ -138,7 +138,7 @@ enum Happened<'a> {
 #[serde(tag = "cause", rename_all = "kebab-case")]
 enum CauseObject {
     /// An agent lit it.
-    Lit { agent: AgentName },
+    Lit { agent: AgentLabel },
     /// From a burning cell.
     Spread { from: [u16; 2] },
     /// From an ember of a burning cell.
@@ -163,7 +163,7 @@ impl From<Effort> for EffortObject {
 impl From<Cause> for CauseObject {
     fn from(cause: Cause) -> Self {
         match cause {
-            Cause::Agent(agent) => Self::Lit { agent: AgentName(agent) },
+            Cause::Agent(agent) => Self::Lit { agent: AgentLabel(agent) },
             Cause::Spread(from) => Self::Spread { from: pair(from) },
             Cause::Spotted(from) => Self::Ember { from: pair(from) },
             Cause::Scheduled => Self::Schedule,
@@ -175,21 +175,21 @@ impl<'a> EventObject<'a> {
     /// Makes the object of an event that this leg begins with, if any does.
     pub fn new(event: &'a Event, leg: Option<u32>) -> Self {
         let happened = match &event.fact {
-            Fact::Agent(agent, fact) => of_agent(AgentName(*agent), fact, leg),
+            Fact::Agent(agent, fact) => of_agent(AgentLabel(*agent), fact, leg),
             Fact::Fire(FireFact::Ignited { cell, cause }) => {
                 Happened::Ignited { cell: pair(*cell), cause: (*cause).into() }
             }
             Fact::Fire(FireFact::BurnedOut { cell }) => Happened::BurnedOut { cell: pair(*cell) },
             Fact::Fire(FireFact::Extinguished { cell, by }) => {
-                Happened::Extinguished { cell: pair(*cell), agent: AgentName(*by) }
+                Happened::Extinguished { cell: pair(*cell), agent: AgentLabel(*by) }
             }
-            Fact::Ended { reason } => Happened::Ended { reason: Word(*reason) },
+            Fact::Ended { reason } => Happened::Ended { reason: PrintedWord(*reason) },
         };
         Self { t_ns: event.time.as_nanos(), happened }
     }
 }
 
-fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_> {
+fn of_agent(agent: AgentLabel, fact: &AgentFact, leg: Option<u32>) -> Happened<'_> {
     match fact {
         AgentFact::StartMoved { from } => Happened::StartMoved { agent, from: (*from).into() },
         &AgentFact::RoadmapBuilt { samples, edges, components } => {
@@ -198,14 +198,14 @@ fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_
         AgentFact::OutOfReach { cells } => Happened::OutOfReach { agent, cells },
         AgentFact::Planned { goal, effort, found_by, .. } => {
             let (goal, effort) = (pair(*goal), (*effort).into());
-            Happened::Planned { agent, goal, leg, effort, found_by: found_by.map(Word) }
+            Happened::Planned { agent, goal, leg, effort, found_by: found_by.map(PrintedWord) }
         }
         AgentFact::Searched { phase, graph } => {
-            Happened::Searched { agent, phase: Word(*phase), places_cm: &graph.places, edges: &graph.edges }
+            Happened::Searched { agent, phase: PrintedWord(*phase), places_cm: &graph.places, edges: &graph.edges }
         }
         AgentFact::PlanFailed { goal, reason, effort, until } => {
             let (goal, effort) = (pair(*goal), (*effort).into());
-            Happened::PlanFailed { agent, goal, reason: Word(*reason), effort, until_ns: until.as_nanos() }
+            Happened::PlanFailed { agent, goal, reason: PrintedWord(*reason), effort, until_ns: until.as_nanos() }
         }
         AgentFact::Dropped { goal, .. } => Happened::Dropped { agent, goal: pair(*goal), leg },
         &AgentFact::Suppressing { cell, water_units } => Happened::Suppressing {
@@ -214,18 +214,18 @@ fn of_agent(agent: AgentName, fact: &AgentFact, leg: Option<u32>) -> Happened<'_
             water_units: Some(water_units).filter(|&water_units| water_units > 1),
         },
         AgentFact::SuppressionEnded { cell } => Happened::SuppressionEnded { agent, cell: pair(*cell) },
-        AgentFact::Rested { reason } => Happened::Rested { agent, reason: Word(*reason) },
+        AgentFact::Rested { reason } => Happened::Rested { agent, reason: PrintedWord(*reason) },
         &AgentFact::LocalMinimum { goal, x_m, y_m } => Happened::LocalMinimum { agent, goal: pair(goal), x_m, y_m },
-        AgentFact::Blocked { goal, by } => Happened::Blocked { agent, goal: pair(*goal), by: AgentName(*by) },
-        AgentFact::GaveWay { to, .. } => Happened::GaveWay { agent, to: AgentName(*to), leg },
+        AgentFact::Blocked { goal, by } => Happened::Blocked { agent, goal: pair(*goal), by: AgentLabel(*by) },
+        AgentFact::GaveWay { to, .. } => Happened::GaveWay { agent, to: AgentLabel(*to), leg },
         &AgentFact::Relocated { x_m, y_m, effort, found_by, .. } => {
-            Happened::Relocated { agent, x_m, y_m, leg, effort: effort.into(), found_by: Word(found_by) }
+            Happened::Relocated { agent, x_m, y_m, leg, effort: effort.into(), found_by: PrintedWord(found_by) }
         }
         AgentFact::Halted { .. } => Happened::Halted { agent, leg },
         &AgentFact::RelocationFailed { x_m, y_m, reason, effort, until } => {
             let effort = effort.into();
             let until_ns = until.as_nanos();
-            Happened::RelocationFailed { agent, x_m, y_m, reason: reason.map(Word), effort, until_ns }
+            Happened::RelocationFailed { agent, x_m, y_m, reason: reason.map(PrintedWord), effort, until_ns }
         }
         AgentFact::Refilling { until } => Happened::Refilling { agent, until_ns: until.as_nanos() },
     }
@@ -243,7 +243,7 @@ pub struct FireObject {
     /// Null if it burned when the run ended.
     ended_ns: Option<u64>,
     /// The truck that put it out; null if none did.
-    extinguished_by: Option<AgentName>,
+    extinguished_by: Option<AgentLabel>,
 }
 
 impl FireObject {
@@ -255,7 +255,7 @@ impl FireObject {
 
     fn end(&mut self, time: SimTime, by: Option<AgentId>) {
         self.ended_ns = Some(time.as_nanos());
-        self.extinguished_by = by.map(AgentName);
+        self.extinguished_by = by.map(AgentLabel);
     }
 }
 
@@ -321,7 +321,7 @@ pub struct WettingObject {
     cell: [u16; 2],
     from_ns: u64,
     until_ns: u64,
-    by: AgentName,
+    by: AgentLabel,
 }
 
 /// A cell, bush or ground, in which crews finished line.
@@ -360,7 +360,7 @@ pub fn wettings(index: &RunIndex<'_>) -> Vec<WettingObject> {
             cell: pair(event.cell),
             from_ns: event.time.as_nanos(),
             until_ns: until.as_nanos(),
-            by: AgentName(by),
+            by: AgentLabel(by),
         }),
         _ => None,
     });

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{AgentName, PoseObject};
+use super::{AgentLabel, PoseObject};
 use crate::{FollowedLeg, RunIndex, Timeline};
 use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
@@ -50,7 +50,7 @@ impl LegTable {
 /// A path that an agent followed. Before it begins the agent stands at its start, after its last piece at its end.
 #[derive(Serialize, JsonSchema)]
 pub struct LegObject {
-    agent: AgentName,
+    agent: AgentLabel,
     /// The place among the events of the one that it began with.
     event: usize,
     /// From when on the agent followed it.
@@ -100,7 +100,7 @@ impl LegObject {
     pub fn new(LegOfAgent { agent, leg, until }: LegOfAgent, timeline: &Timeline) -> Self {
         let trajectory = leg.trajectory(timeline);
         Self {
-            agent: AgentName(timeline.setting.agents[agent].id),
+            agent: AgentLabel(timeline.setting.agents[agent].id),
             event: leg.fact(),
             from_ns: leg.from.as_nanos(),
             until_ns: until.as_nanos(),

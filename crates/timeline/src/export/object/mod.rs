@@ -135,15 +135,15 @@ impl Serialize for Legs<'_> {
 
 /// The name of an agent, such as `unimog/0`.
 #[derive(Clone, Copy, Debug)]
-struct AgentName(AgentId);
+struct AgentLabel(AgentId);
 
-impl Serialize for AgentName {
+impl Serialize for AgentLabel {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(&self.0)
     }
 }
 
-impl JsonSchema for AgentName {
+impl JsonSchema for AgentLabel {
     fn schema_name() -> Cow<'static, str> {
         "AgentName".into()
     }
@@ -158,9 +158,9 @@ impl JsonSchema for AgentName {
 }
 
 /// A word that the program prints too.
-struct Word<T>(T);
+struct PrintedWord<T>(T);
 
-impl<T: fmt::Display> Serialize for Word<T> {
+impl<T: fmt::Display> Serialize for PrintedWord<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(&self.0)
     }
@@ -213,7 +213,7 @@ impl JsonSchema for OutcomeObject<'_> {
             .into_iter()
             .map(|reason| (reason.to_string(), schemars::json_schema!({ "type": "integer", "minimum": 0 }).into()))
             .collect();
-        let agent = generator.subschema_for::<AgentName>();
+        let agent = generator.subschema_for::<AgentLabel>();
         schemars::json_schema!({
             "type": "object",
             "description": "Counts, times in seconds and scores; the columns of the same names in tables say what each means.",

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{AgentName, PoseObject};
+use super::{AgentLabel, PoseObject};
 use crate::{AgentStart, Body, Rules, Setting, SpreadSetting, WaterEnergy, WaterRules};
 use wildfire_base::geometry::{Cell, DVec2};
 use wildfire_base::time::SimTime;
@@ -42,7 +42,7 @@ pub struct SettingObject<'a> {
 /// An agent at its start.
 #[derive(Serialize, JsonSchema)]
 struct AgentObject {
-    agent: AgentName,
+    agent: AgentLabel,
     start: PoseObject,
     body: BodyObject,
     /// Null if the recording does not contain it.
@@ -214,7 +214,7 @@ impl From<&AgentStart> for AgentObject {
             lateral_mps2: limits.lateral_mps2,
         };
         Self {
-            agent: AgentName(start.id),
+            agent: AgentLabel(start.id),
             start: start.pose.into(),
             body: start.body.into(),
             limits: start.limits.map(limits),

@@ -80,20 +80,24 @@ fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
 }
 
 /// A kind of events.
-struct Lane {
+struct EventLane {
     name: &'static str,
     colour: Rgb,
     belongs: fn(&Fact) -> bool,
 }
 
-const LANES: [Lane; 3] = [
-    Lane { name: "ignitions", colour: BURNING, belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })) },
-    Lane {
+const LANES: [EventLane; 3] = [
+    EventLane {
+        name: "ignitions",
+        colour: BURNING,
+        belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })),
+    },
+    EventLane {
         name: "extinctions",
         colour: EXTINGUISHED,
         belongs: |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. })),
     },
-    Lane {
+    EventLane {
         name: "failed plans",
         colour: INK,
         belongs: |fact| matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. })),
@@ -138,7 +142,7 @@ pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunVi
 }
 
 /// Returns the columns in which such an event happens, ascending.
-fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &Lane) -> Vec<u32> {
+fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &EventLane) -> Vec<u32> {
     let events = run.timeline().events.iter().filter(|event| event.time <= end && (lane.belongs)(&event.fact));
     let mut columns: Vec<u32> = events.map(|event| column_of(event.time, width, end)).collect();
     columns.dedup();

@@ -12,7 +12,7 @@ mod query;
 mod space;
 mod tighten;
 
-pub use query::{RoadmapScratch, Route};
+pub use query::{RoadmapRoute, RoadmapScratch};
 
 use std::collections::BTreeMap;
 use std::num::NonZero;
@@ -176,7 +176,7 @@ fn draw_milestones(space: &FreeSpace, wanted: u32, rng: &mut impl Rng) -> (Vec<D
 }
 
 /// Two milestones, the lower index first, and what the line between them costs.
-type Edge = (u32, u32, f64);
+type MilestonePair = (u32, u32, f64);
 
 /// Returns the search tree over the milestones, if there are any.
 fn index_milestones(milestones: &[DVec2]) -> Option<ImmutableKdTree<f64, 2>> {
@@ -193,7 +193,7 @@ fn find_edges(
     milestones: &[DVec2],
     tree: Option<&ImmutableKdTree<f64, 2>>,
     settings: &PrmSettings,
-) -> Vec<Edge> {
+) -> Vec<MilestonePair> {
     let Some(tree) = tree else { return Vec::new() };
     let mut tried = TriedLines::new(milestones.len());
     let mut edges = Vec::with_capacity(milestones.len() * settings.neighbours as usize);

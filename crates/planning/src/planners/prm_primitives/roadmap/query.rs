@@ -95,7 +95,7 @@ impl RoadmapScratch {
 
 /// A query's answer on the roadmap.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Route {
+pub struct RoadmapRoute {
     /// Positions for the body's centre, in order, without the start; the last one lies in the goal disc, or is the goal
     /// milestone. Empty if the start is already there.
     pub waypoints: Vec<DVec2>,
@@ -104,7 +104,7 @@ pub struct Route {
 }
 
 /// A query on its way.
-struct Query<'a> {
+struct MilestoneQuery<'a> {
     roadmap: &'a Roadmap,
     start: DVec2,
     goal: GoalDisc,
@@ -125,7 +125,12 @@ impl Roadmap {
     /// # Errors
     /// [`PlanFailure::GoalBlocked`] when the route is to end at a milestone and none lies in the goal;
     /// [`PlanFailure::Disconnected`] when nothing leads there.
-    pub fn route(&self, start: DVec2, goal: GoalDisc, scratch: &mut RoadmapScratch) -> Result<Route, PlanFailure> {
+    pub fn route(
+        &self,
+        start: DVec2,
+        goal: GoalDisc,
+        scratch: &mut RoadmapScratch,
+    ) -> Result<RoadmapRoute, PlanFailure> {
         scratch.begin(self.milestones.len());
         let end_milestone = match self.settings.goal {
             RoadmapGoal::InReach => None,
@@ -135,7 +140,7 @@ impl Roadmap {
                 Some(self.nearest_milestone(goal).ok_or(none)?)
             }
         };
-        Query { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
+        MilestoneQuery { roadmap: self, start, goal, end_milestone }.search(scratch).ok_or(PlanFailure::Disconnected)
     }
 
     /// Returns what the last query, which began at `start`, examined: the milestones that it settled, each after its
@@ -155,8 +160,8 @@ impl Roadmap {
     }
 }
 
-impl Query<'_> {
-    fn search(&self, scratch: &mut RoadmapScratch) -> Option<Route> {
+impl MilestoneQuery<'_> {
+    fn search(&self, scratch: &mut RoadmapScratch) -> Option<RoadmapRoute> {
         self.link_start(scratch);
         while let Some(best) = scratch.open.pop() {
             if best.to >= GOAL {
@@ -287,7 +292,7 @@ impl Query<'_> {
     }
 
     /// Returns the waypoints that led to a final candidate.
-    fn route(&self, last: LineCandidate, scratch: &mut RoadmapScratch) -> Route {
+    fn route(&self, last: LineCandidate, scratch: &mut RoadmapScratch) -> RoadmapRoute {
         let mut waypoints = Vec::new();
         if last.to >= GOAL {
             waypoints.push(self.goal_place(last.to, last.from));
@@ -300,7 +305,7 @@ impl Query<'_> {
             milestone = scratch.visit(milestone).parent;
         }
         waypoints.reverse();
-        Route { waypoints, cost: last.cost }
+        RoadmapRoute { waypoints, cost: last.cost }
     }
 }
 
@@ -324,7 +329,7 @@ mod tests {
 
     /// The shortest length as petgraph finds it, over the roadmap and all links that a query may use.
     fn length_by_petgraph(roadmap: &Roadmap, start: DVec2, goal: GoalDisc) -> Option<f64> {
-        let query = Query { roadmap, start, goal, end_milestone: None };
+        let query = MilestoneQuery { roadmap, start, goal, end_milestone: None };
         let count = roadmap.milestones.len() as u32;
         let mut graph = UnGraph::<(), f64>::default();
         let nodes: Vec<_> = (0..count + 2).map(|_| graph.add_node(())).collect();
@@ -500,7 +505,7 @@ mod tests {
             let dijkstra = priced(RoadmapSearch::Dijkstra);
             let plain = roadmap(&field, RoadmapSearch::Astar, RoadmapGoal::InReach);
             let mut scratch = RoadmapScratch::default();
-            let price = |route: &Route| -> f64 {
+            let price = |route: &RoadmapRoute| -> f64 {
                 let places: Vec<DVec2> = [start].into_iter().chain(route.waypoints.iter().copied()).collect();
                 places.windows(2).map(|line| astar.space.price(line[0], line[1])).sum()
             };

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::space::FreeSpace;
-use super::{Roadmap, Route};
+use super::{Roadmap, RoadmapRoute};
 
 /// The number of halvings of the way that a waypoint is pulled towards the straight line.
 const PULLS: u32 = 4;
@@ -13,7 +13,7 @@ impl Roadmap {
     /// path becomes more expensive.
     ///
     /// The last waypoint stays. From each waypoint the farthest one that can be seen and is worth it comes next.
-    pub fn tighten(&self, start: DVec2, route: &mut Route) {
+    pub fn tighten(&self, start: DVec2, route: &mut RoadmapRoute) {
         thin(&self.space, start, &mut route.waypoints);
         pull(&self.space, start, &mut route.waypoints);
         let points = std::iter::once(start).chain(route.waypoints.iter().copied());

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::super::team::{StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
-use super::spread_out::{Block, BushDensity, spread_out};
+use super::spread_out::{BushBlock, BushDensity, spread_out};
 use crate::policies::learned::Network;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -64,10 +64,12 @@ impl StagingRule for LearnedPosts {
         self.remember(team);
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let share = trucks.len() as f64 / team.trucks.len() as f64;
-        let counted: Vec<Block> = self.census.blocks(team).to_vec();
-        let weigh =
-            |block: &Block| Block { bushes: block.bushes * self.weight(block.place, team.now, share), ..*block };
-        let blocks: Vec<Block> = counted.iter().map(weigh).collect();
+        let counted: Vec<BushBlock> = self.census.blocks(team).to_vec();
+        let weigh = |block: &BushBlock| BushBlock {
+            bushes: block.bushes * self.weight(block.place, team.now, share),
+            ..*block
+        };
+        let blocks: Vec<BushBlock> = counted.iter().map(weigh).collect();
         let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
         spread_out(&blocks, &mut sites);
         posts(&trucks, &sites, worth_m(team, trucks.len()))

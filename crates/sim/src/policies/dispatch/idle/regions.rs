@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::super::team::{Assignment, StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
-use super::spread_out::{Block, BushDensity, spread_out};
+use super::spread_out::{BushBlock, BushDensity, spread_out};
 use wildfire_base::geometry::Cell;
 use wildfire_timeline::AgentId;
 
@@ -23,7 +23,7 @@ impl StagingRule for Regions {
         let blocks = self.census.blocks(team);
         let mut all = Vec::new();
         for region in 0..starts.len() {
-            let within: Vec<Block> =
+            let within: Vec<BushBlock> =
                 blocks.iter().copied().filter(|block| region_of(&starts, block.place) == region).collect();
             let trucks: Vec<&TeamTruck> = team
                 .trucks

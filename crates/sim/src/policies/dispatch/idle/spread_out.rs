@@ -22,7 +22,7 @@ const REST_M: f64 = 1.0;
 
 /// The intact bushes of a part of the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Block {
+pub struct BushBlock {
     /// The mean of their positions.
     pub place: DVec2,
     /// The number of bushes.
@@ -32,12 +32,12 @@ pub struct Block {
 /// The intact bushes in blocks, counted at intervals.
 #[derive(Clone, Debug, Default)]
 pub struct BushDensity {
-    counted: Option<(SimTime, Vec<Block>)>,
+    counted: Option<(SimTime, Vec<BushBlock>)>,
 }
 
 impl BushDensity {
     /// Returns the blocks with intact bushes, as of the last count.
-    pub fn blocks(&mut self, team: &Team<'_>) -> &[Block] {
+    pub fn blocks(&mut self, team: &Team<'_>) -> &[BushBlock] {
         let is_old = self.counted.as_ref().is_none_or(|(at, _)| team.now >= *at + COUNT_EVERY);
         if is_old {
             self.counted = Some((team.now, count(team)));
@@ -47,7 +47,7 @@ impl BushDensity {
 }
 
 /// Counts the intact bushes by block, row by row.
-fn count(team: &Team<'_>) -> Vec<Block> {
+fn count(team: &Team<'_>) -> Vec<BushBlock> {
     let block_m = team.frame.cell_m.max(team.frame.width_m().max(team.frame.height_m()) / BLOCKS);
     let mut sums: BTreeMap<(u32, u32), (DVec2, f64)> = BTreeMap::new();
     for &cell in team.intact.bushes().iter().filter(|&&cell| team.intact.is_intact(cell)) {
@@ -56,12 +56,12 @@ fn count(team: &Team<'_>) -> Vec<Block> {
         let (sum, bushes) = sums.entry(block).or_insert((DVec2::ZERO, 0.0));
         (*sum, *bushes) = (*sum + place, *bushes + 1.0);
     }
-    sums.into_values().map(|(sum, bushes)| Block { place: sum / bushes, bushes }).collect()
+    sums.into_values().map(|(sum, bushes)| BushBlock { place: sum / bushes, bushes }).collect()
 }
 
 /// Moves sites until each is at the centroid of the blocks to which it is nearest; ties go to the first site. A site
 /// that is nearest to no block moves to the worst-served block; without blocks all sites stay.
-pub fn spread_out(blocks: &[Block], sites: &mut [DVec2]) {
+pub fn spread_out(blocks: &[BushBlock], sites: &mut [DVec2]) {
     if sites.is_empty() || blocks.is_empty() {
         return;
     }
@@ -102,15 +102,19 @@ mod tests {
     use super::*;
     use wildfire_base::rng;
 
-    fn cost(blocks: &[Block], sites: &[DVec2]) -> f64 {
+    fn cost(blocks: &[BushBlock], sites: &[DVec2]) -> f64 {
         blocks.iter().map(|block| block.bushes * nearest(sites, block.place).1).sum()
     }
 
-    fn random_blocks(seed: u64) -> Vec<Block> {
+    fn random_blocks(seed: u64) -> Vec<BushBlock> {
         let mut rng = rng::stream(seed, "blocks");
         let mut place = || DVec2::new(rng.random_range(0.0..500.0), rng.random_range(0.0..500.0));
         let places: Vec<DVec2> = (0..80).map(|_| place()).collect();
-        places.into_iter().zip(0..).map(|(place, number)| Block { place, bushes: f64::from(1 + number % 7) }).collect()
+        places
+            .into_iter()
+            .zip(0..)
+            .map(|(place, number)| BushBlock { place, bushes: f64::from(1 + number % 7) })
+            .collect()
     }
 
     #[test]
