@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use wildfire::own_planner::{MakeError, Planners, ReedsShepp, PlannerContext, main_with};
+use wildfire::own_planner::{MakeError, PlannerContext, Planners, ReedsShepp, main_with};
 use wildfire::{CollisionChecker, Goal, Plan, PlanFailure, Pose, TruckPlanner};
 
 /// Drives the shortest curve to a place before the fire, if that is free.
@@ -21,6 +21,8 @@ impl TruckPlanner for Bold {
 }
 
 fn main() -> ExitCode {
-    let make = |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> { Ok(Box::new(Bold(site.checker.clone()))) };
+    let make = |context: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+        Ok(Box::new(Bold(context.checker.clone())))
+    };
     main_with(Planners::default().with("bold", make).expect("the name is free"))
 }
