@@ -153,7 +153,7 @@ fn every_run_is_reported_as_it_ends() {
     let folder = OutputFolder::named(scratch.path(), false).expect("a scratch folder");
     let (mut done, mut others) = (0, 0);
     let count = |end: wildfire::batch::execute::RunEnd| {
-        *(if end.status == Status::Done { &mut done } else { &mut others }) += 1
+        *(if end.status == Status::Done { &mut done } else { &mut others }) += 1;
     };
     let mut batch = Batch::begin(plan("1..100", Record::None), folder).expect("the disk is fine");
     batch.run_with(Box::new(made_up_run), 2, &Arc::default(), count).expect("the disk is fine");

@@ -440,7 +440,7 @@ impl ProcessWatch {
             match status {
                 WaitStatus::Exited(pid, code) if pid == self.pid => ending = Some(ExitCause::Code(code)),
                 WaitStatus::Signaled(pid, signal, _) if pid == self.pid => {
-                    ending = Some(ExitCause::Signal(signal as i32))
+                    ending = Some(ExitCause::Signal(signal as i32));
                 }
                 _ => {}
             }

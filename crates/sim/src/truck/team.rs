@@ -170,7 +170,7 @@ impl Fleet<'_, '_> {
             (None, ..) if agent.stops_left == Some(0) => return false,
             (None, _, Action::Go(_) | Action::GoToNearest) => self.halt(entity),
             (None, Some(staging_point), Action::Move(place)) if (place - staging_point).length() > AS_GOOD_M => {
-                self.halt(entity)
+                self.halt(entity);
             }
             _ => return false,
         }

@@ -219,7 +219,7 @@ impl<'a> FactWriter<'a> {
                 self.leg(agent, trajectory);
             }
             AgentFact::Suppressing { cell, water_units: 1 } => {
-                self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)])
+                self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]);
             }
             AgentFact::Suppressing { cell, water_units } => {
                 self.record(kind::SPRAYING, &[agent, self.cell(*cell), *water_units]);
