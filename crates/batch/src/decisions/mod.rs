@@ -6,7 +6,7 @@
 //!
 //! Futures are played in rounds, and a decision whose differences are settled after a round needs no more. Every interval is
 //! widened so that all rounds together keep their probability of error (Bonferroni), and the p-values of one run are adjusted
-//! by [`holm`].
+//! by [`holm`](crate::stats::holm).
 
 mod attainable;
 mod futures;

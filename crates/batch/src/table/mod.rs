@@ -1,6 +1,6 @@
 //! The tables of a batch: their columns, writers and readers.
 //!
-//! [`columns`] has a line for every column of every file. [`RunRecord`] is a row of `runs.csv`, computed or read;
+//! `columns` has a line for every column of every file. [`RunRecord`] is a row of `runs.csv`, computed or read;
 //! [`TableReader`] reads any table that this program wrote.
 
 mod column;

@@ -47,7 +47,7 @@ pub enum Action {
     /// A truck goes for the option that its planner finds to be nearest by drive. A truck with a goal keeps it, and a
     /// Wumpus waits.
     GoToNearest,
-    /// A truck of a [team](Asking::Team) drives to this place, in metres in the frame of the field, and waits there; it
+    /// A truck of a [team](PolicyScope::Team) drives to this place, in metres in the frame of the field, and waits there; it
     /// may be redirected while driving. A truck with a goal drops it. Any other agent waits.
     Move(DVec2),
     /// A truck fills its tank, or drives to water. A truck with a goal drops it. Where water does not matter, and for
