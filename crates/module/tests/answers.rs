@@ -137,8 +137,8 @@ fn work_on_many_bytes_counts_by_their_number() {
         answer_of(&then).expect("an answer").instructions
     };
     assert_eq!(random(8000) - random(0), 1000);
-    let for_ever = "(loop $again (memory.fill (i32.const 0) (i32.const 0) (i32.const 65536)) (br $again))";
-    assert_eq!(failed(for_ever).0, FailureKind::BudgetSpent);
+    let endless = "(loop $again (memory.fill (i32.const 0) (i32.const 0) (i32.const 65536)) (br $again))";
+    assert_eq!(failed(endless).0, FailureKind::BudgetSpent);
 }
 
 #[test]

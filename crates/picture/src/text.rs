@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn text_stands_where_it_is_aligned() {
+    fn text_is_where_it_is_aligned() {
         let (left, right) = inked_columns("HOH", Align::Centre);
         assert!((i64::from(100 - left) - i64::from(right - 100)).abs() <= 2);
         let (_, right) = inked_columns("HOH", Align::Right);

@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn agents_and_bushes_are_told_apart() {
+    fn agents_and_bushes_are_distinguished() {
         assert_eq!(parse_selected("unimog/2"), Ok(Selected::Agent(AgentId::unimog(2))));
         assert_eq!(parse_selected("wumpus"), Ok(Selected::Agent(AgentId::wumpus(0))));
         assert_eq!(parse_selected("7, 31"), Ok(Selected::Bush(Cell { col: 7, row: 31 })));

@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn two_runs_are_told_apart_by_their_titles() {
+    fn two_runs_are_distinguished_by_their_titles() {
         assert_eq!(titles("smoke --with-set fire.burn_out_s=20"), ["smoke", "smoke, fire.burn_out_s=20"]);
         assert_eq!(titles("smoke --with-seed 2"), ["smoke", "smoke"]);
         let scratch = tempfile::tempdir().expect("a scratch folder");

@@ -336,8 +336,8 @@ fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) 
 /// Royston, Parmar, "Restricted mean survival time", BMC Medical Research Methodology 13, 2013.
 fn cut_off(rows: &[[Vec<f64>; 2]]) -> CutOff {
     let pairs: Vec<_> = rows.iter().filter_map(|[ours, theirs]| Some([lifetime(ours)?, lifetime(theirs)?])).collect();
-    let in_vain = pairs.iter().flatten().filter(|lifetime| lifetime.is_cut_off);
-    let horizon = in_vain.map(|lifetime| lifetime.time).reduce(f64::min);
+    let cut_off = pairs.iter().flatten().filter(|lifetime| lifetime.is_cut_off);
+    let horizon = cut_off.map(|lifetime| lifetime.time).reduce(f64::min);
     let curves = [0, 1].map(|side| {
         let lifetimes: Vec<_> = pairs.iter().map(|pair| pair[side]).collect();
         (lifetimes.iter().filter(|lifetime| lifetime.is_cut_off).count(), SurvivalCurve::from_lifetimes(&lifetimes))

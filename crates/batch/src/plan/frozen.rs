@@ -38,7 +38,7 @@ pub enum PlanError {
          with the same names",
         path.display()
     )]
-    HandedIn { path: PathBuf, kind: &'static str, name: PlannerName },
+    NotRegistered { path: PathBuf, kind: &'static str, name: PlannerName },
     #[error("cannot read {}: {source}", path.display())]
     Unreadable { path: PathBuf, source: io::Error },
     #[error("{} is not a batch plan: {reason}", path.display())]
@@ -284,7 +284,7 @@ impl BatchPlan {
                 }
             });
             if let Some((kind, name)) = missing {
-                return Err(PlanError::HandedIn { path: folder.to_owned(), kind, name: name.clone() });
+                return Err(PlanError::NotRegistered { path: folder.to_owned(), kind, name: name.clone() });
             }
         }
         Ok(())

@@ -501,7 +501,7 @@ mod tests {
     }
 
     #[test]
-    fn going_round_for_ever_is_as_free_as_going_round_once() {
+    fn going_round_forever_is_as_free_as_going_round_once() {
         let checker = bare_ground();
         let round = Segment { curvature: 1.0 / 13.0, length_m: 1e15 };
         let start = Pose::new(25.0, 10.0, 0.0);

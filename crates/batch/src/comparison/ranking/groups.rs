@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn common_letters_say_just_who_is_not_told_apart() {
+    fn common_letters_join_just_those_without_a_significant_difference() {
         for case in 0..200 {
             let random = &mut rng::stream(case, "test/groups");
             let count = random.random_range(1..=12);

@@ -272,9 +272,9 @@ fn numbers(
     let rows: Vec<Vec<Option<Vec<f64>>>> =
         entries.iter().map(|entry| entry.runs.iter().map(|run| row(entry, run.index, columns)).collect()).collect();
     // Times that were cut off are known up to the first cut only, for all entries alike.
-    let in_vain = rows.iter().flatten().flatten().filter(|_| matches!(metric.kind, MetricKind::Time { .. }));
-    let in_vain = in_vain.filter_map(|row| lifetime(row)).filter(|lifetime| lifetime.is_cut_off);
-    let horizon = in_vain.map(|lifetime| lifetime.time).fold(f64::INFINITY, f64::min);
+    let cut_off = rows.iter().flatten().flatten().filter(|_| matches!(metric.kind, MetricKind::Time { .. }));
+    let cut_off = cut_off.filter_map(|row| lifetime(row)).filter(|lifetime| lifetime.is_cut_off);
+    let horizon = cut_off.map(|lifetime| lifetime.time).fold(f64::INFINITY, f64::min);
     let number = |row: &Option<Vec<f64>>| row.as_ref().map_or(f64::NAN, |row| number_of(metric, row, horizon));
     let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
     let finite = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
