@@ -4,7 +4,7 @@ use std::env;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ExitStatus, KeyCommand, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -63,8 +63,8 @@ fn pause() {
 }
 
 /// The program, as it is started in a folder.
-pub fn program(folder: &Path) -> KeyCommand {
-    let mut command = KeyCommand::new(env!("CARGO_BIN_EXE_wildfire"));
+pub fn program(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_wildfire"));
     // Drivers look for Wayland there, and say so if it is not set.
     command.env("XDG_RUNTIME_DIR", folder).env("WGPU_BACKEND", "vulkan");
     command.current_dir(folder).stdin(Stdio::null());
@@ -144,7 +144,7 @@ impl Window {
     }
 
     pub fn screenshot(&self) -> Option<Screenshot> {
-        let output = KeyCommand::new("xwd").args(["-silent", "-id", &self.id]).output().ok()?;
+        let output = Command::new("xwd").args(["-silent", "-id", &self.id]).output().ok()?;
         Screenshot::parse(&output.stdout)
     }
 
@@ -169,6 +169,6 @@ impl Drop for Window {
 }
 
 fn answer(program: &str, arguments: &[&str]) -> Option<String> {
-    let output = KeyCommand::new(program).args(arguments).stderr(Stdio::null()).output().ok()?;
+    let output = Command::new(program).args(arguments).stderr(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }

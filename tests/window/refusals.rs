@@ -1,11 +1,11 @@
 //! Where there is no display or nothing to draw with, one sentence says what to install, and the program ends.
 
-use std::process::KeyCommand;
+use std::process::Command;
 
 use crate::display::{hands, program};
 
 /// What is said on stderr by a program that ends with that code, wrapped lines put together.
-fn stderr(command: &mut KeyCommand, code: i32) -> String {
+fn stderr(command: &mut Command, code: i32) -> String {
     let output = command.output().expect("it starts");
     let stderr = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
     assert_eq!(output.status.code(), Some(code), "{stderr}");
@@ -13,7 +13,7 @@ fn stderr(command: &mut KeyCommand, code: i32) -> String {
     stderr
 }
 
-fn play(folder: &tempfile::TempDir) -> KeyCommand {
+fn play(folder: &tempfile::TempDir) -> Command {
     let mut command = program(folder.path());
     command.args(["play", "smoke"]).env_remove("WAYLAND_DISPLAY").env_remove("DISPLAY");
     command

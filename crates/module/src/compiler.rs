@@ -110,7 +110,7 @@ impl Compiled {
             match result {
                 Ok(()) => Reason::End,
                 Err(error) => match error.downcast_ref() {
-                    Some(&stop) => Reason::StopCause(stop),
+                    Some(&stop) => Reason::Stop(stop),
                     None => Reason::Trap(message_of(&error)),
                 },
             }
@@ -139,7 +139,7 @@ impl Running {
         let call = self.call.get_mut().unwrap_or_else(PoisonError::into_inner);
         let reason = match poll_once(call.as_mut()) {
             Poll::Ready(reason) => reason,
-            Poll::Pending => Reason::StopCause(StopCause::NeedsInput),
+            Poll::Pending => Reason::Stop(StopCause::NeedsInput),
         };
         let (left, slots) = *lock(&self.desk);
         Pause { reason, left, slots }

@@ -81,7 +81,7 @@ enum HostError {
     /// It returns an error number.
     Number(i32),
     /// It does not return.
-    StopCause(StopCause),
+    Stop(StopCause),
 }
 
 type Access<T> = Result<T, HostError>;
@@ -134,7 +134,7 @@ fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Ac
         return Err(HostError::Number(BAD_DESCRIPTOR));
     }
     if caller.host.input.is_empty() {
-        return Err(HostError::StopCause(StopCause::NeedsInput));
+        return Err(HostError::Stop(StopCause::NeedsInput));
     }
     let mut moved = 0;
     for (at, length) in caller.buffers(list, count)? {
@@ -161,7 +161,7 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
         let room = max - to.len();
         to.extend(bytes.iter().take(room));
         if fd == 1 && bytes.len() > room {
-            return Err(HostError::StopCause(StopCause::Flood));
+            return Err(HostError::Stop(StopCause::Flood));
         }
     }
     caller.charge(all as usize);
@@ -212,7 +212,7 @@ fn random_get(caller: &mut Caller<'_>, [at, length, ..]: [u32; 4]) -> Access<()>
 }
 
 fn proc_exit(_caller: &mut Caller<'_>, [code, ..]: [u32; 4]) -> Access<()> {
-    Err(HostError::StopCause(StopCause::Exit(code.cast_signed())))
+    Err(HostError::Stop(StopCause::Exit(code.cast_signed())))
 }
 
 /// Fills a list of numbers up with zeros.
@@ -271,7 +271,7 @@ impl Function {
         match (self.0)(caller, numbers) {
             Ok(()) => Ok(SUCCESS),
             Err(HostError::Number(number)) => Ok(number),
-            Err(HostError::StopCause(stop)) => Err(stop),
+            Err(HostError::Stop(stop)) => Err(stop),
         }
     }
 }

@@ -152,7 +152,7 @@ pub struct Failure {
 /// Why a module runs no longer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reason {
-    StopCause(StopCause),
+    Stop(StopCause),
     /// `_start` has returned.
     End,
     /// It has trapped; in the words of the WebAssembly specification.
@@ -226,7 +226,7 @@ impl ModuleInstance {
         let (kind, message) = match reason {
             _ if left < 0 => (FailureKind::BudgetSpent, format!("ran more than {budget} instructions")),
             _ if slots < 0 => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
-            Reason::StopCause(StopCause::NeedsInput) => {
+            Reason::Stop(StopCause::NeedsInput) => {
                 let output = &mut self.host.lock().output;
                 if let Some(end) = output.iter().position(|&byte| byte == b'\n') {
                     let rest = output.split_off(end + 1);
@@ -234,8 +234,8 @@ impl ModuleInstance {
                 }
                 (FailureKind::BadAnswer, "reads on without having answered".to_owned())
             }
-            Reason::StopCause(StopCause::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
-            Reason::StopCause(StopCause::Flood) => {
+            Reason::Stop(StopCause::Exit(code)) => (FailureKind::Crashed, format!("ended with exit code {code}")),
+            Reason::Stop(StopCause::Flood) => {
                 (FailureKind::BadAnswer, format!("wrote more than {} bytes", self.max_output))
             }
             Reason::End => (FailureKind::Crashed, "ended".to_owned()),

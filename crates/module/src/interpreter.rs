@@ -121,7 +121,7 @@ impl Running {
             Ok(ResumableCall::HostTrap(trap)) => match trap.host_error().downcast_ref() {
                 Some(&stop) => {
                     self.state = InterpreterState::Waiting(trap);
-                    Reason::StopCause(stop)
+                    Reason::Stop(stop)
                 }
                 None => Reason::Trap("an error of the host".to_owned()),
             },

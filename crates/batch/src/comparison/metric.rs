@@ -31,7 +31,7 @@ pub enum MetricKind {
     /// A time, censored at the end of the run; a run in which it never began to count has none.
     Time { event: &'static str, end: &'static str, start: &'static str },
     /// Yes if the column has this word, otherwise no.
-    ReportAnswer { column: &'static str, yes: &'static str },
+    Answer { column: &'static str, yes: &'static str },
 }
 
 /// A metric for each of [`RUN_COLUMNS`].
@@ -56,9 +56,9 @@ pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
         aim("saved the most bushes", ["saved", " of the bushes"], "points more");
     burned: Count Cells "bush cells that burn or have burned out" = MetricKind::Sum(BURNED), better(Lower),
         phrase("$ loses", "more obstacles per run", "fewer obstacles per run");
-    truck_won: Flag Share "whether the trucks won" = MetricKind::ReportAnswer { column: "winner", yes: "unimog" },
+    truck_won: Flag Share "whether the trucks won" = MetricKind::Answer { column: "winner", yes: "unimog" },
         better(Higher), phrase("with $ the truck wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
-    wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::ReportAnswer { column: "winner", yes: "wumpus" },
+    wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::Answer { column: "winner", yes: "wumpus" },
         better(Lower), phrase("with $ the Wumpus wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
     all_out_s: optional Real Seconds "end of the last fire of a bush; the end of the run, if one burned then"
         = MetricKind::Time { event: "all_out_s", end: "ended_s", start: "first_fire_s" }, better(Lower),
@@ -121,7 +121,7 @@ impl Metric {
         match self.kind {
             MetricKind::Column(place) => run.number(place),
             MetricKind::Sum(places) => places.iter().map(|&place| run.number(place)).sum(),
-            MetricKind::Unknown | MetricKind::Time { .. } | MetricKind::ReportAnswer { .. } => None,
+            MetricKind::Unknown | MetricKind::Time { .. } | MetricKind::Answer { .. } => None,
         }
     }
 
@@ -130,14 +130,14 @@ impl Metric {
             MetricKind::Column(_) | MetricKind::Unknown => vec![&self.name],
             MetricKind::Sum(places) => places.iter().map(|&place| RUN_COLUMNS[place].name).collect(),
             MetricKind::Time { event, end, start } => vec![event, end, start],
-            MetricKind::ReportAnswer { column, .. } => vec![column],
+            MetricKind::Answer { column, .. } => vec![column],
         }
     }
 
     /// Returns the fields to read for the metric, in the order of its columns.
     pub fn fields(&self) -> Vec<RowField> {
         match self.kind {
-            MetricKind::ReportAnswer { column, yes } => vec![RowField::Is(column.to_owned(), yes)],
+            MetricKind::Answer { column, yes } => vec![RowField::Is(column.to_owned(), yes)],
             _ => self.columns().into_iter().map(|column| RowField::Number(column.to_owned())).collect(),
         }
     }

@@ -48,11 +48,11 @@ impl Policy for ProgramPolicy {
     fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
         let options: Vec<(AgentId, Vec<Cell>)> = queried.iter().map(|&agent| (agent, seen.options(agent))).collect();
         let answer = self.ask(seen, &options, None, |answer| match answer {
-            FromProgram::ModuleAnswer(_) => Ok(()),
+            FromProgram::Answer(_) => Ok(()),
             _ => Err("expected the type `answer`"),
         });
         let choices = match answer {
-            Some(FromProgram::ModuleAnswer(answer)) => answer.choices,
+            Some(FromProgram::Answer(answer)) => answer.choices,
             _ => Vec::new(),
         };
         let names: BTreeSet<String> = seen.agents.iter().map(|agent| agent.id.to_string()).collect();

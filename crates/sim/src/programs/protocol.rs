@@ -225,7 +225,7 @@ pub enum FromProgram {
     /// The answer to `plan`: there is no path.
     None(NoneAnswer),
     /// The answer to `ask`.
-    ModuleAnswer(PolicyAnswer),
+    Answer(PolicyAnswer),
     /// The answer to `ask` with a `line`: where crews build.
     Line(LineAnswer),
 }
@@ -379,7 +379,7 @@ impl FromProgram {
         match self {
             Self::Path(PathAnswer { id, .. })
             | Self::None(NoneAnswer { id, .. })
-            | Self::ModuleAnswer(PolicyAnswer { id, .. })
+            | Self::Answer(PolicyAnswer { id, .. })
             | Self::Line(LineAnswer { id, .. }) => Some(*id),
             Self::Hello(_) | Self::Ready | Self::Error(_) => None,
         }
@@ -400,7 +400,7 @@ impl FromProgram {
             Error,
             Path,
             None,
-            ModuleAnswer,
+            Answer,
             Line,
         }
         let text = str::from_utf8(line).map_err(|_| "it is no UTF-8 text".to_owned())?;
@@ -427,7 +427,7 @@ impl FromProgram {
                 let none: NoneAnswer = read(text)?;
                 check_cpu(none.cpu_s).map(|()| Self::None(none))
             }
-            MessageType::ModuleAnswer => read(text).map(Self::ModuleAnswer),
+            MessageType::Answer => read(text).map(Self::Answer),
             MessageType::Line => read(text).map(Self::Line),
         }
     }

@@ -23,7 +23,7 @@ use wildfire_picture::charts::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     /// The picture below the answer.
-    ReportAnswer,
+    Answer,
     Means,
     Distributions,
     OverTime,
@@ -106,11 +106,11 @@ impl FigureSource<'_> {
         let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
         if let Some(chart) = differences.or_else(|| if are_planners { None } else { curves() }) {
             if figures.admits("the answer", chart.panels.len()) {
-                figures.add(Section::ReportAnswer, chart.draw(width), ChartData::new("answer", chart.rows()));
+                figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
         } else if let Some(compared) = compared {
             let chart = compared.forest();
-            figures.add(Section::ReportAnswer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
+            figures.add(Section::Answer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
         } else if figures.admits("the answer", panels.len()) {
             let (drawn, data) = match distribution(quantity, panels, variants) {
                 Ok(chart) => (chart.draw(width), ChartData::new("answer", chart.rows())),
@@ -120,7 +120,7 @@ impl FigureSource<'_> {
                     (chart.draw(width), ChartData::new("answer", chart.rows()))
                 }
             };
-            figures.add(Section::ReportAnswer, drawn, data);
+            figures.add(Section::Answer, drawn, data);
         }
     }
 }

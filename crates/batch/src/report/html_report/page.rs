@@ -105,7 +105,7 @@ impl<'a> PageCharts<'a> {
     /// Chooses what leads: the field, what variants are compared by, the states over time, or those at the end.
     fn new(figures: &'a Figures, narrow: &'a Figures, parts: &'a ReportParts<'_>) -> Self {
         let field = parts.field.as_ref();
-        let leading = [Section::ReportAnswer, Section::OverTime, Section::Means]
+        let leading = [Section::Answer, Section::OverTime, Section::Means]
             .into_iter()
             .find_map(|section| figures.drawn.iter().find(|figure| figure.section == section))
             .filter(|_| field.is_none());
