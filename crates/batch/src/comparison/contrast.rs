@@ -149,7 +149,7 @@ impl Contrast {
         let strata = by_stratum(metric, &pairs, by);
         let differences = differences_by_seed(&pairs, &strata);
         let contrast = match metric.kind {
-            MetricKind::ReportAnswer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
+            MetricKind::Answer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
             _ => contrast_numbers(metric, &all, &differences),
         };
         Some((contrast?, Some(strata)))
@@ -178,7 +178,7 @@ fn numbers_of(metric: &Metric, rows: &[Vec<f64>; 2], horizon: f64) -> Option<[f6
 pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
     match metric.kind {
         MetricKind::Column(_) | MetricKind::Sum(_) | MetricKind::Unknown => row.iter().sum(),
-        MetricKind::ReportAnswer { .. } => row[0],
+        MetricKind::Answer { .. } => row[0],
         MetricKind::Time { .. } => lifetime(row).map_or(f64::NAN, |lifetime| lifetime.time.min(horizon)),
     }
 }
@@ -186,7 +186,7 @@ pub(super) fn number_of(metric: &Metric, row: &[f64], horizon: f64) -> f64 {
 /// Contrasts the numbers of pairs; `None` if there are none.
 pub(crate) fn contrast_of_pairs(metric: &Metric, pairs: &[[f64; 2]]) -> Option<Contrast> {
     match metric.kind {
-        MetricKind::ReportAnswer { .. } => {
+        MetricKind::Answer { .. } => {
             contrast_answers(metric, pairs.iter().map(|[ours, theirs]| (*ours > 0.0, *theirs > 0.0)))
         }
         _ => {

@@ -85,7 +85,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     };
     let solved: Vec<[f64; 2]> =
         pairs.iter().map(|pair| pair.map(|row| f64::from(u8::from(row.solved().is_some())))).collect();
-    let success = contrast("success", "success", MetricKind::ReportAnswer { column: "success", yes: "true" }, &solved);
+    let success = contrast("success", "success", MetricKind::Answer { column: "success", yes: "true" }, &solved);
     let figures = FIGURES.iter().filter_map(|(heading, measure)| {
         let numbers: Vec<[f64; 2]> = (pairs.iter())
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))

@@ -282,7 +282,7 @@ fn numbers(
         return Err(RankingError::NoValues { metric: metric.name.to_string() });
     }
     let worst = match (&metric.kind, better) {
-        (MetricKind::ReportAnswer { .. }, Better::Lower) => 1.0,
+        (MetricKind::Answer { .. }, Better::Lower) => 1.0,
         (_, Better::Higher) => finite().fold(0.0, f64::min),
         (_, Better::Lower) => finite().fold(0.0, f64::max),
     };
