@@ -46,12 +46,12 @@ fn wind_of_shape(length_to_width: f64) -> f64 {
 /// A fire beside its exact ellipse at the end.
 struct Share {
     area: f64,
-    /// Of the way of the head from the ignition.
+    /// Share of the distance of the head from the ignition.
     head: f64,
     micros_a_cell: f64,
 }
 
-/// Burns a fire of a shape until it is so many cells long. No cell burns sooner than by the ellipse; more than its area
+/// Burns a fire of a shape until it has this length in cells. No cell burns sooner than by the ellipse; more than its area
 /// burns only as cells are counted whose middles lie inside.
 fn burn(length_to_width: f64, heading_deg: f64, cells_along: f64, neighbours: Neighbours) -> Share {
     let (sin, cos) = ops::sin_cos(heading_deg * PI / 180.0);

@@ -29,7 +29,7 @@ pub(super) struct PixelLayout {
 pub(super) struct Pixels {
     layout: PixelLayout,
     grey: Vec<u8>,
-    /// Of [`Transparency::Unknown`] only.
+    /// Empty unless transparency is [`Transparency::Unknown`].
     is_unknown: Vec<bool>,
 }
 

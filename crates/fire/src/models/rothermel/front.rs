@@ -27,7 +27,7 @@ const DUE: u8 = 16;
 const NEAR_SOURCE: u8 = 32;
 /// All cells in reach of the ways from it are of its fuel.
 const UNIFORM: u8 = 64;
-/// What stays when a cell changes.
+/// Flags that stay when a cell changes.
 const NEAR: u8 = NEAR_DELAY | NEAR_SOURCE | UNIFORM;
 
 /// A way as it is found.
@@ -647,7 +647,7 @@ fn two_point_arrival(
     if here.slowness == f64::INFINITY {
         return None;
     }
-    // What each way needs beyond the ellipse of the cell that both lead to.
+    // Seconds of each way beyond the ellipse of the cell that both lead to.
     let beyond = |rates: &mut Rates, number: usize| {
         let here = spreading(rates, cells, number, to);
         ways.map(

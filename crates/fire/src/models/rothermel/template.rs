@@ -97,7 +97,7 @@ pub struct Template {
     pub ways: Vec<Edge>,
     /// Those round an ignition.
     disc: Vec<Edge>,
-    /// Of the ways, in metres.
+    /// The vectors of the ways, in metres.
     pub vectors: Vec<DVec2>,
     sets: Vec<EdgeSet>,
     /// By interval of the weather.

@@ -116,7 +116,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
                 tiff_fax::unpack(&packed, Fax::Group3 { options }, width, limit, &mut plain);
             }
             ZSTANDARD => {
-                // What is missing at its end is found below.
+                // A cut at its end is found below.
                 let stream = StreamingDecoder::new(&packed[..]).map_err(|error| error.to_string());
                 let unpacked = stream.and_then(|stream| {
                     stream.take((limit - start) as u64).read_to_end(&mut plain).map_err(|error| error.to_string())
