@@ -46,8 +46,10 @@ pub struct RunMapReport {
     pub fire_types: Option<Members<&'static str, usize>>,
     /// Cells with a value, and the least, the mean and the greatest of these.
     cells: usize,
+    #[serde(rename = "least")]
     min: Option<f64>,
     mean: Option<f64>,
+    #[serde(rename = "most")]
     max: Option<f64>,
 }
 
@@ -137,6 +139,7 @@ struct SideObject {
     losses: Losses,
     /// Cells with a value above zero, and the greatest value.
     cells: usize,
+    #[serde(rename = "most")]
     max: Option<f64>,
 }
 
@@ -147,7 +150,9 @@ struct DifferenceObject {
     /// Cells whose interval lies below zero, and above it.
     cells_below: usize,
     cells_above: usize,
+    #[serde(rename = "least")]
     min: Option<f64>,
+    #[serde(rename = "most")]
     max: Option<f64>,
 }
 

@@ -442,7 +442,7 @@ fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
             difference: pair.contrast.difference,
             interval: pair.contrast.interval,
             p_adjusted: pair.p_adjusted,
-            significant: pair.is_significant(),
+            told_apart: pair.is_significant(),
         })
     });
     let conditions = entry.by_condition.iter();

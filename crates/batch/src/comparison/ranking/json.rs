@@ -60,7 +60,7 @@ fn pair(ranking: &Ranking, pair: &RankedPair) -> impl Serialize {
         p_value: pair.contrast.p_value,
         p_method: pair.contrast.p_method.name(),
         p_adjusted: pair.p_adjusted,
-        significant: pair.is_significant(),
+        told_apart: pair.is_significant(),
         cohens_dz: pair.contrast.effect_dz,
     })
 }

@@ -83,7 +83,7 @@ enum Happened<'a> {
         agent: AgentLabel,
         cell: [u16; 2],
         /// Portions of water that the stop takes, if several.
-        #[serde(skip_serializing_if = "Option::is_none")]
+        #[serde(rename = "portions", skip_serializing_if = "Option::is_none")]
         water_units: Option<u32>,
     },
     /// Its cell burns no more before it is done.
