@@ -45,7 +45,7 @@ mod _core {
     #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]
-    use crate::plan::plan;
+    use crate::plan::{certify, plan, plan_together};
     #[pymodule_export]
     use crate::program::command_line;
     #[pymodule_export]

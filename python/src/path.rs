@@ -26,7 +26,7 @@ pub struct Path(pub vehicle::Path);
 impl Path {
     #[new]
     fn new(start: Poses, segments: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let start = one(start, "start")?;
+        let start = one_pose(start, "start")?;
         // An empty list has no columns.
         if segments.len().is_ok_and(|length| length == 0) {
             return Ok(Self(vehicle::Path::standing(start)));
@@ -58,7 +58,7 @@ impl Path {
     ///     Metres.
     #[staticmethod]
     fn through(start: Poses, poses: Poses, radius: f64) -> PyResult<Self> {
-        let start = one(start, "start")?;
+        let start = one_pose(start, "start")?;
         let radius_m = checked_radius(radius)?;
         let (poses, _) = poses.listed(None);
         match poses.iter().position(|pose| !is_sane_pose(pose)) {
@@ -161,7 +161,7 @@ pub fn triple(pose: Pose) -> Triple {
     (pose.x, pose.y, pose.heading)
 }
 
-fn one(poses: Poses, name: &str) -> PyResult<Pose> {
+pub fn one_pose(poses: Poses, name: &str) -> PyResult<Pose> {
     match poses {
         Poses::One(pose) if is_sane_pose(&pose) => Ok(pose),
         Poses::One(_) => Err(PyValueError::new_err(format!("{name} has numbers that are not finite or too large"))),

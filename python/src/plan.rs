@@ -1,18 +1,31 @@
-//! Drives of the truck planned by any planners: the rows of `wildfire plan`.
+//! Drives of the truck planned by any planners: the rows of `wildfire plan`, lower bounds on their lengths, and vehicles that
+//! plan together.
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
+
+use pyo3::exceptions::PyValueError;
 
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use wildfire::batch::drives::{DRIVE_COLUMNS, DriveColumn, DriveProblems, DriveRequest};
+use wildfire::batch::together::InstanceAnswer;
+use wildfire::collision::MIN_CLEARANCE_M;
+use wildfire::input_file;
 use wildfire::planning::PlannerName;
+use wildfire::planning::certificate::Certificate;
+use wildfire::planning::together::files::{MAX_BYTES, read_instance};
+use wildfire::planning::together::{Mode, PlanTogether, RepairMethod};
 use wildfire::scenario::MemoryLimit;
 
+use crate::arrays::{LARGEST, Poses};
 use crate::batch::OneOrMore;
+use crate::checker::Checker;
 use crate::columns::TableBuilder;
 use crate::errors::error;
 use crate::literal;
+use crate::path::one_pose;
 use crate::planner::{Factories, Interruption};
 
 #[pyfunction]
@@ -82,4 +95,97 @@ pub fn plan<'py>(
         table.push(DRIVE_COLUMNS.iter().map(|column| (column.value)(&query)));
     }
     table.finish(py)
+}
+
+/// Computes a lower bound on the length of every path from the start to the goal that keeps 1 cm from the bushes.
+///
+/// Parameters
+/// ----------
+/// checker : Checker
+/// start, goal : array of shape (3,)
+/// length : float
+///     The length of a valid path, in metres: no bound beyond it is of interest.
+///
+/// Returns
+/// -------
+/// float
+///     Metres, at most ``length`` if that is the length of a path.
+#[pyfunction]
+#[pyo3(signature = (checker, start, goal, length))]
+pub fn certify(py: Python<'_>, checker: &Checker, start: Poses, goal: Poses, length: f64) -> PyResult<f64> {
+    let ends = (one_pose(start, "start")?, one_pose(goal, "goal")?);
+    if !(0.0..=LARGEST).contains(&length) {
+        return Err(PyValueError::new_err(format!("length is {length}; expected metres from 0")));
+    }
+    let certificate = py.detach(|| Certificate::new(&checker.0, ends, MIN_CLEARANCE_M, length));
+    // Equal poses have none.
+    Ok(certificate.map_or(0.0, |certificate| certificate.bound_m.max(0.0)))
+}
+
+/// Plans paths of many vehicles at once on an instance of the CL-MAPF benchmark: a row of ``wildfire plan --together``.
+///
+/// Parameters
+/// ----------
+/// instance : path
+///     A YAML file.
+/// mode : {"exact", "benchmark"}
+///     Rules of what touches what.
+/// method : {"repair", "prioritised"}
+///     What to do about conflicts that planning one vehicle after the other leaves.
+/// seed : int
+/// polish : int
+///     The number of attempts for each vehicle to make paths shorter, up to 1000.
+/// limit_s : float
+///     CPU seconds.
+///
+/// Returns
+/// -------
+/// dict
+///     The members of a row of ``--json``, and ``solution``: the text of the solution's file, or None.
+///
+/// Raises
+/// ------
+/// WildfireError
+///     The instance is invalid.
+#[pyfunction]
+#[pyo3(signature = (instance, *, mode = "exact", method = "repair", seed = 1, polish = 0, limit_s = 20.0))]
+pub fn plan_together<'py>(
+    py: Python<'py>,
+    instance: PathBuf,
+    mode: &str,
+    method: &str,
+    seed: u64,
+    polish: u32,
+    limit_s: f64,
+) -> PyResult<Bound<'py, PyAny>> {
+    if !(0.001..=1e6).contains(&limit_s) {
+        return Err(PyValueError::new_err(format!("limit_s is {limit_s}; expected 0.001 to 1e6 seconds")));
+    }
+    if polish > 1000 {
+        return Err(PyValueError::new_err(format!("polish is {polish}; expected 0 to 1000")));
+    }
+    let settings = PlanTogether {
+        mode: named("mode", mode, Mode::ALL.map(|it| (it.name(), it)))?,
+        method: named("method", method, RepairMethod::ALL.map(|it| (it.name(), it)))?,
+        seed,
+        polish,
+        ..PlanTogether::default()
+    };
+    let at_path = |fault: &dyn std::fmt::Display| error(format_args!("{}: {fault}", instance.display()));
+    let text = input_file::read_text(&instance, MAX_BYTES).map_err(|fault| at_path(&fault))?;
+    let read = read_instance(&text).map_err(|fault| at_path(&fault))?;
+    let answer = py.detach(|| InstanceAnswer::new(&instance, &read, &settings, Duration::from_secs_f64(limit_s)));
+    let row = serde_json::to_string(&answer.row).map_err(error)?;
+    let row = py.import("json")?.call_method1("loads", (row,))?;
+    row.set_item("solution", answer.solution)?;
+    Ok(row)
+}
+
+/// Returns the value of this name.
+fn named<T: Copy, const N: usize>(what: &str, name: &str, values: [(&str, T); N]) -> PyResult<T> {
+    let found = values.iter().find(|(valid, _)| *valid == name);
+    found.map(|&(_, value)| value).ok_or_else(|| {
+        let valid = values.map(|(valid, _)| format!("'{valid}'")).join(" or ");
+        PyValueError::new_err(format!("{what} is '{name}'; expected {valid}"))
+    })
 }

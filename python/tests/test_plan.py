@@ -81,3 +81,30 @@ def test_ompl_improves_and_simplifies() -> None:
     simple = wf.plan(planner="ompl", planners={"ompl": wf.ompl.planner("RRTConnect", simplify=True)}, goals=6)
     assert np.nanmean(better["length_m"]) < np.nanmean(plain["length_m"])
     assert np.nanmean(simple["length_m"]) <= np.nanmean(plain["length_m"]) + 1e-6
+
+
+def test_no_path_is_shorter_than_certified() -> None:
+    checker = wf.Checker(np.zeros((20, 20), dtype=bool))
+    start, goal = (20.0, 20.0, 0.0), (60.0, 40.0, 1.0)
+    shortest = float(wf.reeds_shepp_length(start, goal, checker.vehicle.min_turn_radius))
+    assert 0.99 * shortest < wf.certify(checker, start, goal, shortest) <= shortest
+    assert wf.certify(checker, start, start, 0.0) == 0.0
+    with pytest.raises(ValueError, match="length is -1"):
+        wf.certify(checker, start, goal, -1.0)
+
+
+def test_vehicles_plan_together_as_on_the_command_line(tmp_path: pathlib.Path) -> None:
+    instance = tmp_path / "two.yaml"
+    instance.write_text(
+        "agents:\n- {name: a, start: [10, 10, 0.0], goal: [40, 10, 0.0]}\n- {name: b, start: [40, 20, 3.14], goal: [10, 20, 3.14]}\n"
+        "map:\n  dimensions: [50, 50]\n  obstacles: []\n"
+    )
+    command = [sys.executable, "-m", "wildfire_contest", "plan", "--together", str(instance), "--json"]
+    row = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["rows"][0]
+    answer = wf.plan_together(instance)
+    assert answer["status"] == "solved" and "schedule" in answer.pop("solution")
+    assert {**answer, "cpu_s": None} == {**row, "cpu_s": None}
+    with pytest.raises(ValueError, match="method is 'magic'; expected 'prioritised' or 'repair'"):
+        wf.plan_together(instance, method="magic")
+    with pytest.raises(wf.WildfireError, match="nowhere.yaml"):
+        wf.plan_together(tmp_path / "nowhere.yaml")

@@ -335,6 +335,16 @@ def plan(
     scenario: _PathLike | None = None,
     changes: Mapping[str, object] | None = None,
 ) -> Columns: ...
+def certify(checker: Checker, start: ArrayLike, goal: ArrayLike, length: float) -> float: ...
+def plan_together(
+    instance: _PathLike,
+    *,
+    mode: Literal["exact", "benchmark"] = "exact",
+    method: Literal["repair", "prioritised"] = "repair",
+    seed: int = 1,
+    polish: int = 0,
+    limit_s: float = 20.0,
+) -> dict[str, Any]: ...
 def compare(
     *batches: Batch | _PathLike,
     by: str | tuple[str, Sequence[str]] | None = None,

@@ -8,7 +8,6 @@ mod assignment;
 mod attain;
 mod audit;
 mod batch;
-mod certificates;
 mod cite;
 #[cfg(test)]
 mod command_lines;

@@ -8,7 +8,7 @@
 //! a row never depends on the number of workers, on slices or on interruptions. A run that fails or panics is a row like the
 //! others, with the reason.
 //!
-//! Four modules, each of which imports only those before it, and five more beside the last:
+//! Four modules, each of which imports only those before it, and six more beside the last:
 //! - `plan`: the runs, frozen in `plan.json`;
 //! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`](execute::RunRow);
 //! - `table`: the columns, the files written from them, and the reader of these files;
@@ -16,6 +16,7 @@
 //! - `maps`: results of a batch for every cell of the field;
 //! - `decisions`: what the decisions of a run were worth;
 //! - `drives`: queries to planners outside of runs, their table and their summary;
+//! - `together`: vehicles that plan at once, their solutions and the check of these;
 //! - [`comparison`]: comparisons of batches, including those of other versions of the program;
 //! - [`arena`]: frozen tracks, and boards of entries on them.
 
@@ -29,3 +30,4 @@ pub mod plan;
 pub mod report;
 pub mod stats;
 pub mod table;
+pub mod together;

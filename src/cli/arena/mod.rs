@@ -7,24 +7,23 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
-use serde::Serialize;
 
 use crate::cli::args::{ProgramArguments, jobs_or_all, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal::{self, Progress};
-use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::input_file;
 use wildfire_base::object;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::whole_file::write_whole;
 use wildfire_batch::arena::{
-    ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Board, Played, Players, TRACKS, Track, TrackBoard, play,
+    ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Board, Played, Players, SubmissionCheck, TRACKS, Track,
+    TrackBoard, TrackCheck, play, total_failure,
 };
-use wildfire_batch::plan::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds, planner_of};
-use wildfire_batch::report::Failures;
+use wildfire_batch::plan::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds};
 #[cfg(unix)]
 use wildfire_sim::programs::ProgramPool;
 use wildfire_sim::scenario::Scenario;
@@ -507,10 +506,7 @@ fn verify(arguments: &VerifyArguments, stage: &ArenaStage) -> Result<ExitCode, C
 
 fn submit_check(arguments: &SubmitArguments, stage: &ArenaStage) -> Result<ExitCode, CliError> {
     let entry = ArenaEntry::read(&arguments.entry)?;
-    let mut rows = Vec::new();
-    let mut objects = Vec::new();
-    let mut refusals = Vec::new();
-    let mut remarks = Vec::new();
+    let mut tracks = Vec::new();
     for track in tracks_of(&entry, &selected_tracks(&arguments.track)?)? {
         let public = track.public_seeds();
         let first: Vec<String> = public.iter().take(CHECKED_SEEDS).map(|seed| seed.to_string()).collect();
@@ -523,95 +519,18 @@ fn submit_check(arguments: &SubmitArguments, stage: &ArenaStage) -> Result<ExitC
         let mut stopwatch = WallStopwatch::start();
         let mut played = stage.play(track, &plan, &of_first, &progress)?;
         let mut timed = of_first.len();
-        let first_failure = total_failure(&played);
-        if first_failure.is_none() {
+        let cut_short = total_failure(&played);
+        if cut_short.is_none() {
             (stopwatch, timed) = (WallStopwatch::start(), others.len());
             played.extend(stage.play(track, &plan, &others, &progress)?);
         }
         let all_s = stopwatch.elapsed().as_secs_f64() / timed as f64 * (public.count() * of_first.len() as u64) as f64;
         progress.end();
-        let scores: Vec<f64> = played.iter().filter_map(|played| played.row.score).collect();
-        let mean = scores.iter().sum::<f64>() / scores.len().max(1) as f64;
-        let failed_runs = played.len() - scores.len();
-        let queries = total(played.iter().map(|run| &run.failed_queries));
-        let asks = total(played.iter().map(|run| &run.failed_policy_queries));
-        let of_planner = queries.of_planner(&planner_of(&plan.variants[0].scenario));
-        let reasons: Vec<String> = of_planner.into_iter().chain(asks.of_policies()).collect();
-        let effort = played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64;
-        let mut violations: Vec<String> = played
-            .iter()
-            .filter_map(|it| Some(format!("{}, seed {}: {}", track.name, it.row.seed, it.violation.as_ref()?)))
-            .collect();
-        let cut_short = first_failure.map(|it| format!("{it} on the first seed; the other seeds were not played"));
-        violations.extend(cut_short.or_else(|| total_failure(&played)).map(|it| format!("{}: {it}", track.name)));
-        let message = played.iter().find(|it| !it.message.is_empty()).map(|it| it.message.clone());
-        let of_run = message.as_ref().filter(|_| failed_runs > 0);
-        violations.extend(of_run.map(|message| format!("{}: {message}", track.name)));
-        rows.push(vec![
-            track.name.to_owned(),
-            played.len().to_string(),
-            failed_runs.to_string(),
-            rounded(mean, 2),
-            rounded(effort, 0),
-            format!("{}/{}", queries.failed(), queries.total()),
-            rounded(all_s / 60.0, 1),
-        ]);
-        objects.push(object!(Checked {
-            track: track.name,
-            runs: played.len(),
-            failed: failed_runs,
-            score: mean,
-            effort,
-            failed_queries: queries.failed(),
-            queries: queries.total(),
-            reasons: reasons.clone(),
-            refusals: violations.clone(),
-            wall_all_seeds_s: all_s,
-            message,
-        }));
-        refusals.extend(violations);
-        remarks.extend(reasons.iter().map(|reason| format!("{}: {reason}", track.name)));
+        tracks.push(TrackCheck::new(track, &plan, &played, cut_short, all_s));
     }
-    let is_accepted = refusals.is_empty();
-    let verdict = if is_accepted { "can be submitted" } else { "cannot be submitted" };
-    let title = format!("{} {verdict}", entry.card.name);
-    let headings = ["Track", "Runs", "Failed", "Score", "Effort", "Failed\nqueries", "All seeds\nmin"];
-    let document = || {
-        let mut document = Document::new(title);
-        document.add(Table::new(&headings, rows));
-        document.add_list(refusals);
-        document.add_list(remarks);
-        document.add(Block::Text(format!("Files: SHA-256 {}", entry.hash)));
-        document
-    };
-    terminal::print(&arguments.form.render_either(&Objects { entry: &entry.card.name, tracks: &objects }, document))?;
-    Ok(if is_accepted { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
-}
-
-/// The failures of all these together.
-fn total<'a>(failures: impl Iterator<Item = &'a Failures>) -> Failures {
-    failures.fold(Failures::default(), |mut total, failures| {
-        total += failures.clone();
-        total
-    })
-}
-
-/// Says what failed in runs in which everything did.
-fn total_failure(played: &[Played]) -> Option<String> {
-    if played.iter().all(|run| run.row.score.is_none()) {
-        return Some("every run failed".to_owned());
-    }
-    let all_failed = |it: &Failures| Some(it.total()).filter(|&total| 0 < total && total <= it.failed());
-    let queries = all_failed(&total(played.iter().map(|run| &run.failed_queries)));
-    let asks = all_failed(&total(played.iter().map(|run| &run.failed_policy_queries)));
-    let queries = queries.map(|total| format!("all {total} queries failed"));
-    queries.or_else(|| asks.map(|total| format!("all {total} asks of policies failed")))
-}
-
-#[derive(Serialize)]
-struct Objects<'a, T> {
-    entry: &'a str,
-    tracks: &'a [T],
+    let check = SubmissionCheck { entry, tracks };
+    terminal::print(&arguments.form.render(&check))?;
+    Ok(if check.is_accepted() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
 }
 
 impl From<ArenaError> for CliError {

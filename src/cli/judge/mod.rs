@@ -16,7 +16,6 @@ use path_table::{PathTable, PathTableError, TablePath};
 use report::JudgeReport;
 
 use crate::cli::args::{MemoryArguments, ProgramArguments, parse_seed};
-use crate::cli::certificates;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -24,8 +23,10 @@ use crate::cli::plan::goal_count;
 use crate::cli::report::FormArguments;
 use crate::cli::together::{self, mode_parser};
 use wildfire_base::document::number::count;
+use wildfire_base::input_file;
 use wildfire_batch::drives::{
-    Attempt, AttemptSettings, DriveError, DriveFailure, DriveProblems, DriveQuery, attempts, shortened_field,
+    Attempt, AttemptSettings, CertificateFile, CertificateReport, DriveError, DriveFailure, DriveProblems, DriveQuery,
+    MAX_CERTIFICATE_BYTES, attempts, shortened_field,
 };
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::together::Mode;
@@ -113,6 +114,22 @@ impl JudgeArguments {
     }
 }
 
+/// Checks a file of certificates on the fields of these problems.
+fn judge_certificates(path: &Path, problems: &[Problem], arguments: &JudgeArguments) -> Result<ExitCode, CliError> {
+    let inputs = arguments.files.iter().map(PathBuf::as_path).chain([path]).collect();
+    let stream = Files { inputs, form: arguments.form, ..Files::default() }.check()?;
+    let text =
+        input_file::read_text(path, MAX_CERTIFICATE_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
+    let at_path = |fault: String| format!("{}: {fault}", path.display());
+    let read = CertificateFile::from_text(&text).map_err(|fault| {
+        CliError::bad_input(at_path(fault), Some("expected a file that `wildfire plan --certify` wrote"))
+    })?;
+    let report = CertificateReport::new(read, problems)
+        .map_err(|fault| CliError::bad_input(at_path(fault), Some("name the field files that were planned on")))?;
+    stream.print(&arguments.form.render(&report))?;
+    Ok(if report.is_clean() { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
+}
+
 pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if !arguments.together.is_empty() {
         return together::judge(&arguments.together, arguments.mode.unwrap_or(Mode::Exact), arguments.form);
@@ -120,7 +137,7 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     if let Some(certificate) = &arguments.certificate {
         let loaded = LoadedScenario::open(&arguments.scenario, &context.with_custom_names(&arguments.overrides))?;
         let problems = arguments.problems(&arguments.files, &loaded)?;
-        return certificates::judge(certificate, &problems, &arguments.files, arguments.form);
+        return judge_certificates(certificate, &problems, arguments);
     }
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));

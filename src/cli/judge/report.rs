@@ -2,13 +2,12 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::plan::SHOWN_ROWS;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::untrusted::visible_start;
 use wildfire_batch::drives::{
-    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PlannerSummary, contrast_table, failure_sentences,
-    rows_table, summary_table, violation_sentences,
+    COMPARED, DRIVE_LEGEND, DriveContrast, DriveQuery, DriveTable, PlannerSummary, SHOWN_ROWS, contrast_table,
+    failure_sentences, rows_table, summary_table, violation_sentences,
 };
 use wildfire_batch::plan::PROGRAM_VERSION;
 

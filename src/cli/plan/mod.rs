@@ -11,14 +11,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub use arguments::{PlanArguments, goal_count};
-pub use report::SHOWN_ROWS;
 
 use arguments::PlanCommand;
 use ompl::{OmplLog, OmplPlanner, OmplRun, Started, program_limit_s};
 use repeat::Repeat;
 use report::{PlanReport, planner_settings};
 
-use crate::cli::certificates::CertificateFile;
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::output_files::{self, Files, Format};
@@ -26,7 +24,7 @@ use crate::cli::terminal;
 use crate::cli::together;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::drives::{
-    AttemptSettings, DriveTable, PlannerSummary, ask_all, expect_planners_exist, requested_planners,
+    AttemptSettings, CertificateFile, DriveTable, PlannerSummary, ask_all, expect_planners_exist, requested_planners,
 };
 use wildfire_batch::execute::file_name_of;
 use wildfire_planning::PlannerName;

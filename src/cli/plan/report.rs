@@ -4,23 +4,19 @@ use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
 
-use crate::cli::certificates::{CertificateFile, gap_sentences};
 use crate::cli::plan::repeat::Repeat;
 use wildfire_base::document::number::count;
 use wildfire_base::document::{Block, Document};
 use wildfire_base::object;
 use wildfire_base::vehicle::Path;
 use wildfire_batch::drives::{
-    Attempt, DRIVE_LEGEND, DriveTable, PlannerSummary, failure_sentences, rows_table, shortened_field, summary_table,
-    violation_sentences,
+    Attempt, CertificateFile, DRIVE_LEGEND, DriveTable, PlannerSummary, SHOWN_ROWS, failure_sentences, gap_sentences,
+    rows_table, shortened_field, summary_table, violation_sentences,
 };
 use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};
 use wildfire_planning::{Goal, PlannerName, TruckPlannerKind};
 use wildfire_sim::scenario::{LoadedScenario, Problem};
-
-/// The most rows that are shown one by one.
-pub const SHOWN_ROWS: usize = 60;
 
 /// The question and all answers.
 pub struct PlanReport<'a> {

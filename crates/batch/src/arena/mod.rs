@@ -10,12 +10,14 @@ mod document;
 mod entry;
 mod play;
 mod row;
+mod submission;
 mod track;
 
 pub use board::{Board, BoardEntry, TrackBoard};
 pub use entry::{ArenaEntry, Class};
 pub use play::{Played, Players, play};
 pub use row::{ArenaRow, HASHED_COLUMNS, rows_hash};
+pub use submission::{SubmissionCheck, TrackCheck, total_failure};
 pub use track::{ARENA_VERSION, TRACKS, Track, TrackKind};
 
 use std::path::PathBuf;

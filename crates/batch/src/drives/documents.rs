@@ -12,6 +12,9 @@ use wildfire_base::document::{Block, Table};
 use wildfire_base::untrusted::visible_start;
 use wildfire_picture::charts::Estimate;
 
+/// The most rows that are shown one by one.
+pub const SHOWN_ROWS: usize = 60;
+
 /// The most variants whose tables are shown, and the most sentences of a kind.
 const SHOWN_VARIANTS: usize = 50;
 const SHOWN_SENTENCES: usize = 10;

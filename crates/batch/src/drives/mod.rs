@@ -6,6 +6,7 @@
 //! [`DriveRequest`] asks for drives, and [`DriveContrast`] sets two planners against each other by the engine of [`comparison`](super::comparison).
 
 mod attempts;
+mod certificates;
 mod checked;
 mod contrast;
 mod documents;
@@ -18,11 +19,12 @@ mod summary;
 mod table;
 
 pub use attempts::{Attempt, AttemptError, AttemptSettings, attempts};
+pub use certificates::{CertificateFile, CertificateReport, MAX_CERTIFICATE_BYTES, gap_sentences};
 pub use checked::missed;
 pub use contrast::{COMPARED, DriveContrast, contrast_table};
 pub use documents::{
-    DRIVE_LEGEND, INTERVAL_LEGEND, failure_sentences, interval_tables, queries_text, rows_table, shortened_field,
-    summary_table, violation_sentences,
+    DRIVE_LEGEND, INTERVAL_LEGEND, SHOWN_ROWS, failure_sentences, interval_tables, queries_text, rows_table,
+    shortened_field, summary_table, violation_sentences,
 };
 pub use error::DriveError;
 pub use made_up::made_up_drives;

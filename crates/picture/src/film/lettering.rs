@@ -176,7 +176,13 @@ mod tests {
     fn text_at_the_edges_of_the_sheet_is_cut_off() {
         let mut lettering = Lettering::default();
         for at in [(-30.0, 5.0), (95.0, 38.0), (50.0, -200.0), (5000.0, 20.0)] {
-            lettering.draw(&mut Canvas::new(100, 40, PAPER), "Wumpus", at, Align::Left, STYLE);
+            let mut small = Canvas::new(100, 40, PAPER);
+            let mut large = Canvas::new(200, 80, PAPER);
+            lettering.draw(&mut small, "Wumpus", at, Align::Left, STYLE);
+            lettering.draw(&mut large, "Wumpus", at, Align::Left, STYLE);
+            let pixel_bytes = small.bytes().len() / (100 * 40);
+            let rows = large.bytes().chunks(200 * pixel_bytes).map(|row| &row[..100 * pixel_bytes]);
+            assert!(small.bytes().chunks(100 * pixel_bytes).eq(rows.take(40)), "at {at:?}");
         }
     }
 

@@ -53,10 +53,16 @@ pub struct PlanTogether {
     pub mode: Mode,
     pub method: RepairMethod,
     pub seed: u64,
-    /// Most rounds of repair; of random orders a tenth.
+    /// Most rounds of repair, of random orders a tenth; a limit on CPU time is usually reached before.
     pub rounds: u32,
     /// Rounds that make routes cheaper, for each vehicle.
     pub polish: u32,
+}
+
+impl Default for PlanTogether {
+    fn default() -> Self {
+        Self { mode: Mode::Exact, method: RepairMethod::Repair, seed: 1, rounds: 5000, polish: 0 }
+    }
 }
 
 /// What a plan took.

@@ -1,8 +1,6 @@
 //! `wildfire plan --together` and `wildfire judge --together`: many vehicles that plan at once, on instances of the CL-MAPF
 //! benchmark.
 
-mod report;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
@@ -13,21 +11,17 @@ use std::time::Duration;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use report::{Checked, Row, SolveOutcome, TogetherReport, VerdictReport};
-
 use crate::cli::context::CommandContext;
 use crate::cli::error::{CliError, exit};
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::report::FormArguments;
 use wildfire_base::input_file;
-use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::whole_file::write_whole;
-use wildfire_planning::together::files::{FileFault, MAX_BYTES, read_instance, read_solution, write_solution};
-use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairMethod, plan};
+use wildfire_batch::together::{CheckedSolution, InstanceAnswer, InstanceRow, TogetherReport, VerdictReport};
+use wildfire_planning::together::files::{FileFault, MAX_BYTES, read_instance, read_solution};
+use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairMethod};
 
-/// Rounds of repair after which an instance counts as unsolved; the limit on CPU time is usually reached before.
-const ROUNDS: u32 = 5000;
 /// Folders inside each other that are searched for instances.
 const DEEPEST: usize = 8;
 
@@ -91,12 +85,13 @@ pub fn run(
     let inputs = instances(&arguments.together)?;
     let named = inputs.iter().map(|(path, _)| path.as_path()).collect();
     let stream = Files { inputs: named, form, ..Files::default() }.writing([(Format::Csv, csv)]).check()?;
+    let default = PlanTogether::default();
     let settings = PlanTogether {
-        mode: arguments.mode.unwrap_or(Mode::Exact),
-        method: arguments.method.unwrap_or(RepairMethod::Repair),
+        mode: arguments.mode.unwrap_or(default.mode),
+        method: arguments.method.unwrap_or(default.method),
         seed,
-        rounds: ROUNDS,
-        polish: arguments.polish.unwrap_or(0),
+        polish: arguments.polish.unwrap_or(default.polish),
+        ..default
     };
     if let Some(folder) = &arguments.yaml {
         expect_room_for_solutions(folder, &inputs)?;
@@ -106,34 +101,17 @@ pub fn run(
     let limit = Duration::from_secs_f64(arguments.limit_s.unwrap_or(20.0));
     let mut rows = Vec::new();
     for ((path, place), instance) in inputs.iter().zip(&read) {
-        let mut stopwatch = CpuStopwatch::start();
-        let mut spent = Duration::ZERO;
-        let mut is_stopped = || {
-            spent += stopwatch.elapsed_since_last();
-            spent >= limit
-        };
-        let (found, effort) = plan(instance, &settings, &mut is_stopped);
-        is_stopped();
-        let cpu_s = spent.as_secs_f64();
-        let outcome = match found {
-            Err(reason) => SolveOutcome::Unsolved(reason),
-            Ok(routes) => {
-                // What is checked is what is written: numbers as text.
-                let text = write_solution(instance, &routes, cpu_s);
-                if let Some(folder) = &arguments.yaml {
-                    write_into(&folder.join(place), &text)?;
-                }
-                let schedules = read_solution(&text).expect("what is written can be read");
-                SolveOutcome::Solved(Checked::new(instance, settings.mode, &schedules))
-            }
-        };
-        rows.push(Row::new(path, instance, &settings, outcome, effort, cpu_s));
+        let answer = InstanceAnswer::new(path, instance, &settings, limit);
+        if let (Some(folder), Some(text)) = (&arguments.yaml, answer.solution) {
+            write_into(&folder.join(place), &text)?;
+        }
+        rows.push(answer.row);
     }
     let report = TogetherReport { settings, limit_s: limit.as_secs_f64(), rows };
     let printed = stream.print(&form.render(&report));
     let written = output_files::write_all(&[(csv.as_deref(), &|path| report.write(path))], context.quiet);
     printed.and(written)?;
-    Ok(exit_code(report.rows.iter().all(Row::is_clean)))
+    Ok(exit_code(report.rows.iter().all(InstanceRow::is_clean)))
 }
 
 /// Checks a solution of any program.
@@ -143,7 +121,7 @@ pub fn judge(files: &[PathBuf], mode: Mode, form: FormArguments) -> Result<ExitC
     let stream = Files { inputs, form, ..Files::default() }.check()?;
     let instance = open_instance(of_instance)?;
     let schedules = parsed(of_solution, read_solution)?;
-    let report = VerdictReport::new(of_solution, mode, Checked::new(&instance, mode, &schedules));
+    let report = VerdictReport::new(of_solution, mode, CheckedSolution::new(&instance, mode, &schedules));
     stream.print(&form.render(&report))?;
     Ok(exit_code(report.is_clean()))
 }

@@ -1,26 +1,19 @@
-//! Certificates of `wildfire plan --certify`, and their check by `wildfire judge --certificate`: lower bounds on the length
-//! of all paths to goals.
+//! Certificates: lower bounds on the length of all paths to goals, each with its proof, and the check of a file of them.
 
 use std::io;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::path::Path;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::cli::error::{CliError, exit};
-use crate::cli::output_files::Files;
-use crate::cli::plan::SHOWN_ROWS;
-use crate::cli::report::FormArguments;
+use crate::drives::{Attempt, DriveTable, PlannerSummary, SHOWN_ROWS, shortened_field};
+use crate::plan::PROGRAM_VERSION;
 use wildfire_base::document::number::{count, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::geometry::Pose;
-use wildfire_base::input_file;
 use wildfire_base::object;
 use wildfire_base::untrusted::visible_start;
 use wildfire_base::whole_file::write_whole;
-use wildfire_batch::drives::{Attempt, DriveTable, PlannerSummary, shortened_field};
-use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::Goal;
 use wildfire_planning::certificate::Certificate;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker, MIN_CLEARANCE_M};
@@ -30,7 +23,7 @@ use wildfire_sim::scenario::Problem;
 const FORMAT: u32 = 1;
 
 /// The most bytes of a file that is read.
-const MAX_BYTES: u64 = 200_000_000;
+pub const MAX_CERTIFICATE_BYTES: u64 = 200_000_000;
 
 /// The most sentences about faults.
 const SHOWN_FAULTS: usize = 10;
@@ -40,13 +33,13 @@ const SHOWN_FAULTS: usize = 10;
 #[serde(deny_unknown_fields)]
 pub struct CertificateFile {
     wildfire_certificates: u32,
-    certificates: Vec<Certified>,
+    certificates: Vec<GoalCertificate>,
 }
 
 /// A goal with its certificate.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-struct Certified {
+struct GoalCertificate {
     field: String,
     goal: usize,
     certificate: Certificate,
@@ -75,7 +68,7 @@ impl CertificateFile {
             let ends = (problem.start, goal);
             if let Some(certificate) = Certificate::new(&checker, ends, MIN_CLEARANCE_M, shortest_m) {
                 rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));
-                certificates.push(Certified { field: problem.name.clone(), goal: group[0].goal, certificate });
+                certificates.push(GoalCertificate { field: problem.name.clone(), goal: group[0].goal, certificate });
             }
             cached = Some((problem, checker));
         }
@@ -87,16 +80,12 @@ impl CertificateFile {
         write_whole(path, &serde_json::to_vec(self).expect("names and numbers are JSON"))
     }
 
-    fn open(path: &Path) -> Result<Self, CliError> {
-        let text = input_file::read_text(path, MAX_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
-        let wrong = |fault: String| {
-            let sentence = format!("{}: {fault}", path.display());
-            CliError::bad_input(sentence, Some("expected a file that `wildfire plan --certify` wrote"))
-        };
-        let read: Self = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    /// Reads the text of a file that `write` wrote; the error is a sentence.
+    pub fn from_text(text: &str) -> Result<Self, String> {
+        let read: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         match read.wildfire_certificates {
             FORMAT => Ok(read),
-            other => Err(wrong(format!("certificates of format {other}; this program reads {FORMAT}"))),
+            other => Err(format!("certificates of format {other}; this program reads {FORMAT}")),
         }
     }
 }
@@ -128,36 +117,6 @@ pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<S
     summaries.iter().map(sentence).collect()
 }
 
-/// Checks a file of certificates on the fields of these problems.
-pub fn judge(path: &Path, problems: &[Problem], fields: &[PathBuf], form: FormArguments) -> Result<ExitCode, CliError> {
-    let inputs = fields.iter().map(PathBuf::as_path).chain([path]).collect();
-    let stream = Files { inputs, form, ..Files::default() }.check()?;
-    let read = CertificateFile::open(path)?;
-    let mut cached: Option<(usize, CollisionChecker)> = None;
-    let mut rows = Vec::new();
-    for (number, certified) in read.certificates.into_iter().enumerate() {
-        let named = problems.iter().position(|problem| problem.name == certified.field);
-        let goals = named.map(|index| (index, problems[index].goals.get(certified.goal)));
-        let Some((index, Some(&goal))) = goals else {
-            let sentence = format!(
-                "{}: certificate {number} is for goal {} of the field {}, which is not among those given",
-                path.display(),
-                certified.goal,
-                visible_start(&certified.field)
-            );
-            return Err(CliError::bad_input(sentence, Some("name the field files that were planned on")));
-        };
-        let problem = &problems[index];
-        let checker = cached.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, cached)| cached);
-        rows.push(CertificateCheck::new(certified, (problem.start, goal), &checker));
-        cached = Some((index, checker));
-    }
-    let report = CertificateReport { rows };
-    stream.print(&form.render(&report))?;
-    let is_clean = report.rows.iter().all(|row| row.fault.is_none());
-    Ok(if is_clean { ExitCode::SUCCESS } else { ExitCode::from(exit::VIOLATION) })
-}
-
 /// A certificate that was checked.
 #[derive(Debug, Serialize)]
 struct CertificateCheck {
@@ -171,7 +130,11 @@ struct CertificateCheck {
 }
 
 impl CertificateCheck {
-    fn new(Certified { field, goal, certificate }: Certified, ends: (Pose, Goal), checker: &CollisionChecker) -> Self {
+    fn new(
+        GoalCertificate { field, goal, certificate }: GoalCertificate,
+        ends: (Pose, Goal),
+        checker: &CollisionChecker,
+    ) -> Self {
         let numbers = |pose: Pose| [pose.x, pose.y, pose.heading];
         let matches = certificate.start == numbers(ends.0)
             && matches!(ends.1, Goal::Pose(pose) if certificate.goal == numbers(pose));
@@ -185,9 +148,38 @@ impl CertificateCheck {
     }
 }
 
-/// All certificates of a file.
-struct CertificateReport {
+/// All certificates of a file, checked.
+pub struct CertificateReport {
     rows: Vec<CertificateCheck>,
+}
+
+impl CertificateReport {
+    /// Checks certificates on the fields of these problems; the error says which of them has no goal here.
+    pub fn new(file: CertificateFile, problems: &[Problem]) -> Result<Self, String> {
+        let mut cached: Option<(usize, CollisionChecker)> = None;
+        let mut rows = Vec::new();
+        for (number, certified) in file.certificates.into_iter().enumerate() {
+            let named = problems.iter().position(|problem| problem.name == certified.field);
+            let goals = named.map(|index| (index, problems[index].goals.get(certified.goal)));
+            let Some((index, Some(&goal))) = goals else {
+                return Err(format!(
+                    "certificate {number} is for goal {} of the field {}, which is not among those given",
+                    certified.goal,
+                    visible_start(&certified.field)
+                ));
+            };
+            let problem = &problems[index];
+            let checker = cached.take_if(|(of, _)| *of == index).map_or_else(|| checker(problem), |(_, cached)| cached);
+            rows.push(CertificateCheck::new(certified, (problem.start, goal), &checker));
+            cached = Some((index, checker));
+        }
+        Ok(Self { rows })
+    }
+
+    /// Returns whether all certificates hold.
+    pub fn is_clean(&self) -> bool {
+        self.rows.iter().all(|row| row.fault.is_none())
+    }
 }
 
 impl Serialize for CertificateReport {

@@ -1,19 +1,24 @@
-//! Reports on vehicles that plan together: a row for each instance, and the figures of all.
+//! Vehicles that plan together: what a planner answers for an instance, as the independent check sees it, a row for each
+//! instance, and the figures of all.
 
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 use serde::{Serialize, Serializer};
 
 use wildfire_base::document::number::{count, optional, percent, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
+use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::untrusted::{spreadsheet_cell, visible_start};
 use wildfire_base::whole_file::WholeFile;
-use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::judge::lower_bound_ratio;
+use wildfire_planning::together::files::{read_solution, write_solution};
 use wildfire_planning::together::judge::{self, RuleBreach, Schedule};
-use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairEffort, RepairMethod, Route, Unsolved};
+use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairMethod, Route, Unsolved, plan};
+
+use crate::plan::PROGRAM_VERSION;
 
 /// Most sentences about faults of one solution.
 const SHOWN_FAULTS: usize = 20;
@@ -29,7 +34,7 @@ const LEGEND: [&str; 4] = [
 
 /// A solution as the independent check sees it.
 #[derive(Debug)]
-pub struct Checked {
+pub struct CheckedSolution {
     faults: Vec<RuleBreach>,
     figures: Option<SolutionFigures>,
 }
@@ -45,7 +50,8 @@ struct SolutionFigures {
     steps: usize,
 }
 
-impl Checked {
+impl CheckedSolution {
+    /// Checks the schedules of vehicles, those of the instance or of a file.
     pub fn new(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Self {
         let (faults, routes) = judge::check(instance, mode, schedules);
         Self { faults, figures: routes.map(|routes| SolutionFigures::new(instance, &routes)) }
@@ -71,16 +77,9 @@ impl SolutionFigures {
     }
 }
 
-/// What became of an instance.
-#[derive(Debug)]
-pub enum SolveOutcome {
-    Solved(Checked),
-    Unsolved(Unsolved),
-}
-
 /// An instance and its solution; a row of the table.
 #[derive(Debug, Serialize)]
-pub struct Row {
+pub struct InstanceRow {
     instance: String,
     width_m: f64,
     height_m: f64,
@@ -104,26 +103,43 @@ pub struct Row {
     cpu_s: f64,
 }
 
-impl Row {
-    pub fn new(
-        path: &Path,
-        instance: &Instance,
-        settings: &PlanTogether,
-        outcome: SolveOutcome,
-        effort: RepairEffort,
-        cpu_s: f64,
-    ) -> Self {
-        let (status, message, checked) = match outcome {
-            SolveOutcome::Solved(checked) => {
-                ("solved", checked.faults.first().map(RuleBreach::to_string), Some(checked))
-            }
-            SolveOutcome::Unsolved(reason @ (Unsolved::Blocked { .. } | Unsolved::Crowded { .. })) => {
-                ("blocked", Some(reason.to_string()), None)
-            }
-            SolveOutcome::Unsolved(reason) => ("unsolved", Some(reason.to_string()), None),
+/// What a planner answered for an instance.
+#[derive(Debug)]
+pub struct InstanceAnswer {
+    pub row: InstanceRow,
+    /// The text of the solution's file, if there is one.
+    pub solution: Option<String>,
+}
+
+impl InstanceAnswer {
+    /// Plans for the vehicles of an instance within a limit of CPU time, and checks the solution as it is written.
+    pub fn new(path: &Path, instance: &Instance, settings: &PlanTogether, limit: Duration) -> Self {
+        let mut stopwatch = CpuStopwatch::start();
+        let mut spent = Duration::ZERO;
+        let mut is_stopped = || {
+            spent += stopwatch.elapsed_since_last();
+            spent >= limit
+        };
+        let (found, effort) = plan(instance, settings, &mut is_stopped);
+        is_stopped();
+        let cpu_s = spent.as_secs_f64();
+        let solution = found.as_ref().ok().map(|routes| write_solution(instance, routes, cpu_s));
+        let checked = solution.as_ref().map(|text| {
+            // What is checked is what is written: numbers as text.
+            let schedules = read_solution(text).expect("what is written can be read");
+            CheckedSolution::new(instance, settings.mode, &schedules)
+        });
+        let message = match &found {
+            Ok(_) => checked.as_ref().and_then(|checked| checked.faults.first()).map(RuleBreach::to_string),
+            Err(reason) => Some(reason.to_string()),
+        };
+        let status = match found {
+            Ok(_) => "solved",
+            Err(Unsolved::Blocked { .. } | Unsolved::Crowded { .. }) => "blocked",
+            Err(_) => "unsolved",
         };
         let figures = checked.as_ref().and_then(|checked| checked.figures);
-        Self {
+        let row = InstanceRow {
             instance: spreadsheet_cell(&path.display().to_string()).into_owned(),
             width_m: instance.size_m.x,
             height_m: instance.size_m.y,
@@ -144,9 +160,13 @@ impl Row {
             expansions: effort.expansions,
             rounds: effort.rounds,
             cpu_s,
-        }
+        };
+        Self { row, solution }
     }
+}
 
+impl InstanceRow {
+    /// Returns whether the check found no violation.
     pub fn is_clean(&self) -> bool {
         self.violations == 0
     }
@@ -162,7 +182,7 @@ impl Row {
 pub struct TogetherReport {
     pub settings: PlanTogether,
     pub limit_s: f64,
-    pub rows: Vec<Row>,
+    pub rows: Vec<InstanceRow>,
 }
 
 /// Instances of maps of one size, without or with obstacles; or all.
@@ -181,12 +201,12 @@ struct Summary {
 }
 
 impl Summary {
-    fn new(maps: String, rows: &[&Row]) -> Self {
+    fn new(maps: String, rows: &[&InstanceRow]) -> Self {
         let having = |status: &str| rows.iter().filter(|row| row.status == status).count();
         let blocked = having("blocked");
         let solved = having("solved");
         let judged = rows.len() - blocked;
-        let cpu = |row: &Row| (row.status != "blocked").then_some(row.cpu_s);
+        let cpu = |row: &InstanceRow| (row.status != "blocked").then_some(row.cpu_s);
         Self {
             maps,
             instances: rows.len(),
@@ -217,7 +237,7 @@ impl Summary {
 }
 
 /// The middle value; of an even number, the mean of the two in the middle.
-fn median(rows: &[&Row], value: impl Fn(&Row) -> Option<f64>) -> Option<f64> {
+fn median(rows: &[&InstanceRow], value: impl Fn(&InstanceRow) -> Option<f64>) -> Option<f64> {
     let mut values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
@@ -239,7 +259,7 @@ impl TogetherReport {
     }
 
     fn summaries(&self) -> Vec<Summary> {
-        let key = |row: &Row| (row.width_m.to_bits(), row.height_m.to_bits(), row.obstacles > 0);
+        let key = |row: &InstanceRow| (row.width_m.to_bits(), row.height_m.to_bits(), row.obstacles > 0);
         let mut keys: Vec<_> = self.rows.iter().map(key).collect();
         // Positive numbers are in the order of their bits.
         keys.sort_unstable();
@@ -247,7 +267,7 @@ impl TogetherReport {
         let mut summaries: Vec<Summary> = keys
             .iter()
             .map(|group| {
-                let rows: Vec<&Row> = self.rows.iter().filter(|row| key(row) == *group).collect();
+                let rows: Vec<&InstanceRow> = self.rows.iter().filter(|row| key(row) == *group).collect();
                 let kind = if group.2 { "obstacles" } else { "empty" };
                 Summary::new(format!("{} x {} m, {kind}", rows[0].width_m, rows[0].height_m), &rows)
             })
@@ -303,14 +323,16 @@ impl From<&TogetherReport> for Document {
 pub struct VerdictReport {
     solution: String,
     mode: Mode,
-    checked: Checked,
+    checked: CheckedSolution,
 }
 
 impl VerdictReport {
-    pub fn new(solution: &Path, mode: Mode, checked: Checked) -> Self {
+    /// Creates the report on a checked solution.
+    pub fn new(solution: &Path, mode: Mode, checked: CheckedSolution) -> Self {
         Self { solution: solution.display().to_string(), mode, checked }
     }
 
+    /// Returns whether the check found no violation.
     pub fn is_clean(&self) -> bool {
         self.checked.faults.is_empty()
     }
@@ -330,7 +352,7 @@ impl Serialize for VerdictReport {
 
 impl From<&VerdictReport> for Document {
     fn from(report: &VerdictReport) -> Self {
-        let Checked { faults, figures } = &report.checked;
+        let CheckedSolution { faults, figures } = &report.checked;
         let mut document = Self::new(format!("{} by rules {}", visible_start(&report.solution), report.mode.name()));
         let verdict =
             if faults.is_empty() { "No violation.".to_owned() } else { count(faults.len(), "violation") + "." };
