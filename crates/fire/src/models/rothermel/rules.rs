@@ -62,8 +62,8 @@ impl From<Neighbours> for u8 {
 pub struct RothermelRules {
     pub options: SurfaceOptions,
     pub neighbours: Neighbours,
-    /// Whether directions are added between the neighbours where a fire is too narrow for them. Recordings of before this
-    /// have none.
+    /// Whether fire also spreads in directions between those to the neighbours where it is too narrow for these. Older
+    /// recordings do not say so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub refined: bool,
     /// From a truck's stop until what it has wetted is dry.
