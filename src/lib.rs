@@ -57,7 +57,7 @@
 //! changelog. What else can be reached from here is open because the tests, benchmarks and examples of this package use it,
 //! and may change with every version. The parts that are of use by themselves are crates with front pages of their own:
 //! `wildfire-base`, `wildfire-grid`, `wildfire-fire`, `wildfire-planning`, `wildfire-timeline`, `wildfire-audit`,
-//! `wildfire-picture`, `wildfire-sim`, `wildfire-batch`, each of which may use those before it.
+//! `wildfire-picture`, `wildfire-scenario`, `wildfire-sim`, `wildfire-batch`, each of which may use those before it.
 
 #![warn(missing_docs, reason = "every name of the front page is explained; tests/front_page.rs looks inside its types")]
 
@@ -75,7 +75,7 @@ pub use wildfire_base::time::SimTime;
 pub use wildfire_base::vehicle::{Dimensions, Path};
 pub use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 pub use wildfire_planning::{Plan, TruckPlanner};
-pub use wildfire_sim::scenario::{Scenario, load};
+pub use wildfire_scenario::{Scenario, load};
 pub use wildfire_sim::{Run, run};
 pub use wildfire_timeline::file::read as read_recording;
 pub use wildfire_timeline::{Fact, Outcome, Timeline};
@@ -92,7 +92,9 @@ pub use wildfire_grid::{self as grid, map_files};
 #[doc(hidden)]
 pub use wildfire_planning::{self as planning, collision};
 #[doc(hidden)]
-pub use wildfire_sim::{self as sim, programs, scenario};
+pub use wildfire_scenario as scenario;
+#[doc(hidden)]
+pub use wildfire_sim::{self as sim, programs};
 #[cfg(feature = "view")]
 #[doc(hidden)]
 pub use wildfire_view as view;

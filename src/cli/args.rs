@@ -10,7 +10,7 @@ use crate::cli::numbers;
 use wildfire_batch::report::PaperCharts;
 use wildfire_picture::charts::PaperSize;
 use wildfire_planning::{NameError, PlannerName};
-use wildfire_sim::scenario::MemoryLimit;
+use wildfire_scenario::MemoryLimit;
 
 /// A scenario and changes to it.
 #[derive(Debug, Args)]

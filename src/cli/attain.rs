@@ -19,7 +19,7 @@ use wildfire_base::object;
 use wildfire_batch::decisions::{HindsightBound, attain_all};
 use wildfire_batch::execute::limit_threads;
 use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
-use wildfire_sim::scenario;
+use wildfire_scenario as scenario;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -12,7 +12,7 @@ use clap_complete::Shell;
 use wildfire_batch::comparison::NAMED_METRICS;
 use wildfire_batch::table::RUN_COLUMNS;
 use wildfire_planning::TruckPlannerKind;
-use wildfire_sim::scenario::{BUILT_IN, DispatchPolicy, IdleRule, TruckGoal, WumpusGoal};
+use wildfire_scenario::{BUILT_IN, DispatchPolicy, IdleRule, TruckGoal, WumpusGoal};
 
 /// The kinds of names that arguments take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,9 +8,9 @@ use crate::cli::terminal;
 use wildfire_batch::drives::custom_names;
 use wildfire_batch::plan::BatchPlan;
 use wildfire_planning::{PlannerName, Planners};
+use wildfire_scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
-use wildfire_sim::scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
 use wildfire_sim::{CustomRegistry, RunOptions};
 
 /// What commands have besides their arguments.

@@ -16,7 +16,7 @@ use wildfire_batch::plan::{PlanError, RequestError};
 use wildfire_batch::report::AuditsError;
 use wildfire_batch::table::{FinishedError, TableError};
 use wildfire_grid::map_files::{self, MapError};
-use wildfire_sim::scenario::{Fault, ScenarioError, SourceLocation, nearest_name};
+use wildfire_scenario::{Fault, ScenarioError, SourceLocation, nearest_name};
 use wildfire_timeline::export::ExportError;
 
 /// The program's exit codes; those of its arguments' own errors are clap's, which are the same.

@@ -13,8 +13,8 @@ use crate::cli::output_files::{Files, Format, write_all};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
 use wildfire_picture::film::play_page;
+use wildfire_scenario::{BUILT_IN, ScenarioText};
 use wildfire_sim::game::{Game, GameScenario, MAX_GAME_BYTES, Side};
-use wildfire_sim::scenario::{BUILT_IN, ScenarioText};
 
 /// The module's name beside the program, and where a build leaves it as seen from there.
 const MODULES: [&str; 2] = ["wildfire.wasm", "../wasm32-unknown-unknown/web/wildfire_web.wasm"];

@@ -23,8 +23,8 @@ use wildfire_batch::execute::{RunResult, RunRow, Status, file_name_of};
 use wildfire_batch::plan::RunLabel;
 use wildfire_batch::report::{Failures, RunObject, notes};
 use wildfire_batch::table::RunRecord;
+use wildfire_scenario::{self as scenario, Scenario};
 use wildfire_sim::RunOptions;
-use wildfire_sim::scenario::{self, Scenario};
 use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
 use wildfire_timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
 

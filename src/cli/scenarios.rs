@@ -28,8 +28,10 @@ use wildfire_batch::execute::Machines;
 use wildfire_batch::plan::{PLAN_TEMPLATE, PROGRAM_VERSION, plan_schema, rules_schema};
 use wildfire_batch::table::{TableOfRows, row_schema};
 use wildfire_grid::map_files::{self, MAX_BYTES, Reading, Tolerance};
+use wildfire_scenario::{
+    self as scenario, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText,
+};
 use wildfire_sim::programs::protocol;
-use wildfire_sim::scenario::{self, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText};
 use wildfire_timeline::export;
 
 const SCENARIO_HEAD: &str = "\

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates, lowest first, with those of ours that each uses.
-const CRATES: [(&str, &[&str]); 12] = [
+const CRATES: [(&str, &[&str]); 13] = [
     ("base", &[]),
     ("grid", &["base"]),
     ("fire", &["base"]),
@@ -18,12 +18,14 @@ const CRATES: [(&str, &[&str]); 12] = [
     ("picture", &["base", "grid", "fire", "timeline"]),
     // What runs in a module cannot harm anybody, so it knows nobody.
     ("module", &["base"]),
-    ("sim", &["base", "grid", "fire", "planning", "timeline", "module"]),
-    ("batch", &["base", "planning", "timeline", "audit", "picture", "sim"]),
+    // What reads files runs nothing.
+    ("scenario", &["base", "grid", "fire", "planning", "timeline", "module"]),
+    ("sim", &["base", "grid", "fire", "planning", "scenario", "timeline", "module"]),
+    ("batch", &["base", "planning", "timeline", "audit", "picture", "scenario", "sim"]),
     // A window reads timelines; nothing in it can change an outcome.
     ("view", &["base", "picture"]),
     // A browser has no batches, files and programs.
-    ("web", &["base", "picture", "sim", "timeline"]),
+    ("web", &["base", "picture", "scenario", "sim", "timeline"]),
 ];
 
 /// Rooms of `batch`, each with those that it may use: first it is known which runs there are, then they take place, then

@@ -1,7 +1,7 @@
 //! Learned policies: rules that small networks correct.
 
+use wildfire::scenario::{self, Learned, Scenario};
 use wildfire::sim;
-use wildfire::sim::scenario::{self, Learned, Scenario};
 use wildfire::timeline::Outcome;
 
 fn scenario(changes: &[&str]) -> Scenario {

@@ -6,13 +6,13 @@ use std::time::Duration;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use crate::scenario::{GroundKinds, Scenario};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_planning::Planners;
 use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::memory::MemoryMeter;
+use wildfire_scenario::{GroundKinds, Scenario};
 use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, CpuSample, RestReason, WaterRules};
 
 use super::policies::AgentView;

@@ -9,10 +9,10 @@
 use super::game::ExternalPolicy;
 use super::policies::{Action, AgentView};
 use super::{RunError, RunOptions, Simulation};
-use crate::scenario::Scenario;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
+use wildfire_scenario::Scenario;
 use wildfire_timeline::{AgentId, Event, Fact, FireFact, Setting, Timeline};
 
 /// An agent that waits for an answer.
@@ -193,7 +193,7 @@ impl Episode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario;
+    use wildfire_scenario as scenario;
     use wildfire_timeline::Outcome;
 
     fn load(name: &str, changes: &[&str]) -> Scenario {

@@ -16,11 +16,11 @@ use super::walk_lattices::WalkPlanners;
 use super::water::WaterNeeds;
 use super::wumpus::Wumpus;
 use super::{RunError, RunOptions, Simulation};
-use crate::scenario::{Program, Retarget, Scenario, ValueDifference, value_differences};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
+use wildfire_scenario::{Program, Retarget, Scenario, ValueDifference, value_differences};
 use wildfire_timeline::{AgentId, Role};
 
 /// The reason why a run has no forks.
@@ -208,7 +208,8 @@ fn copy_resource<T: Resource + Clone>(from: &World, to: &mut World) {
 mod tests {
     use super::*;
     use crate::policies::Policies;
-    use crate::{run, scenario};
+    use crate::run;
+    use wildfire_scenario as scenario;
     use wildfire_timeline::{Fact, FireFact, Timeline};
 
     fn load(name: &str, duration_s: f64) -> Scenario {

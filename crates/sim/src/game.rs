@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::policies::{Action, Observation, Policies, Policy, PolicyContext};
-use crate::scenario::{LoadedScenario, ScenarioError, ScenarioText};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
+use wildfire_scenario::{LoadedScenario, ScenarioError, ScenarioText};
 use wildfire_timeline::{AgentId, Role};
 
 /// The policy name of played agents.
@@ -372,7 +372,7 @@ mod tests {
             let policies = Policies::default().with("same", make).expect("the name is free");
             let changes =
                 ["policy.same.command=[]".to_owned(), format!("{side}.goal=same"), "duration_s=200".to_owned()];
-            let scenario = crate::scenario::load("smoke", &changes).expect("it is a scenario");
+            let scenario = wildfire_scenario::load("smoke", &changes).expect("it is a scenario");
             let options = RunOptions { policies, ..RunOptions::default() };
             let run = run_with_options(&scenario, 1, &options).expect("it takes place");
             let illegal = run.asks.unwrap_or_default().illegal;

@@ -24,7 +24,6 @@ pub mod programs;
 mod queue;
 mod recorder;
 mod run;
-pub mod scenario;
 mod schedule;
 mod setup;
 mod shared;
@@ -39,12 +38,12 @@ use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::Schedules;
 
-use crate::scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::FireField;
 use wildfire_planning::Planners;
 use wildfire_planning::memory::MemoryMeter;
+use wildfire_scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Episode, PendingAgent, Points};
@@ -295,10 +294,10 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use super::*;
-    use crate::scenario;
     use policies::{NamedPolicy, RuleContext};
     use schedule::SimSystems;
     use wildfire_base::geometry::Cell;
+    use wildfire_scenario as scenario;
     use wildfire_timeline::{AgentFact, Fact, FireFact, Role};
 
     fn load(name: &str, duration_s: f64) -> Scenario {

@@ -11,13 +11,13 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use rand::RngExt;
 
-use crate::scenario::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace, Scenario};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::line::{Forecast, LineCell, LineTask, places_along};
 use wildfire_fire::surface::{flame_length_m, surface_fire};
 use wildfire_fire::{FireChange, FireEvent, FireField};
+use wildfire_scenario::{Crew, LineHolds, LinePolicy, LineSettings, ProtectedPlace, Scenario};
 use wildfire_timeline::SpreadSetting;
 
 use super::agent::Agent;

@@ -9,9 +9,9 @@ use thiserror::Error;
 
 use super::fork::NotForked;
 use super::policies::Policies;
-use crate::scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use wildfire_base::time::SimTime;
 use wildfire_planning::{CpuSource, MakeError, PlanFailure, PlannerName, Planners, QueryCpu};
+use wildfire_scenario::{MemoryExceeded, MemoryLimit, Scenario, TerrainError};
 use wildfire_timeline::{AgentId, CpuSample, Timeline};
 
 /// CPU time of one agent's planning in a run. Parts that its kind does not have are zero.

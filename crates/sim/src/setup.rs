@@ -6,7 +6,6 @@ use bevy_ecs::prelude::*;
 use rand::seq::SliceRandom;
 use serde_json::Value;
 
-use crate::scenario::{self, Extinguishes, GroundKinds, Ignition, IgnitionCells, Scenario, Terrain, Unimog};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
@@ -15,6 +14,9 @@ use wildfire_fire::FireField;
 use wildfire_fire::models::Radius;
 use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::memory::MemoryMeter;
+use wildfire_scenario::{
+    self as scenario, Extinguishes, GroundKinds, Ignition, IgnitionCells, Scenario, Terrain, Unimog,
+};
 use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, WaterRules};
 
 use super::agent::{AgentOrder, SpawnContext};

@@ -22,7 +22,7 @@ use wildfire_planning::PredictedMotions;
 use wildfire_planning::collision::{CollisionChecker, MIN_CLEARANCE_M, MovingBody, first_conflict, gap_between};
 use wildfire_timeline::AgentId;
 
-pub use crate::scenario::TRUCK_MARGIN_M as MARGIN_M;
+pub use wildfire_scenario::TRUCK_MARGIN_M as MARGIN_M;
 
 /// How long a truck puts its departure off for others that pass, before it looks for another way or goal.
 const PATIENCE: SimTime = SimTime::from_nanos(20_000_000_000);

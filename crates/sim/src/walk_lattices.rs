@@ -9,11 +9,11 @@ use std::sync::{Arc, MutexGuard};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use crate::scenario::{self, StepCost, Terrain};
 use crate::shared::Shared;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_planning::walk::{LatticeShape, WalkCosts, WalkLattice, WalkMethod, WalkPlanner};
 use wildfire_planning::{Safety, SafetySettings};
+use wildfire_scenario::{self as scenario, StepCost, Terrain};
 
 /// The planners of a run, each for all Wumpuses of equal rules. They keep what they learn from query to query.
 #[derive(Resource, Clone, Default)]
@@ -168,9 +168,9 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::scenario::Wumpus;
     use wildfire_base::rng;
     use wildfire_grid::Grid;
+    use wildfire_scenario::Wumpus;
 
     fn terrain() -> Terrain {
         let scenario = scenario::load("dense", &[]).expect("the preset loads");

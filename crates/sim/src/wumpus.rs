@@ -14,7 +14,6 @@ use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use crate::scenario::{self, StepTime};
 use wildfire_base::geometry::{Cell, Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
@@ -23,6 +22,7 @@ use wildfire_base::vehicle::Segment;
 use wildfire_fire::FireField;
 use wildfire_planning::walk::{Walk, WalkLattice};
 use wildfire_planning::{Effort, PlanFailure, QueryMonitor};
+use wildfire_scenario::{self as scenario, StepTime};
 use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Cause, RestReason};
 
 use super::agent::{Activity, Agent, enlist};

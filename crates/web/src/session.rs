@@ -7,12 +7,12 @@ use serde_json::{Value, json};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_picture::film::{FrameRequest, RunView, ViewOptions, page_data};
-use wildfire_sim::game::{Answer, Game, GameChoice, GameScenario, Side, played};
-use wildfire_sim::policies::{NamedPolicy, Policy, RuleContext};
-use wildfire_sim::scenario::{
+use wildfire_scenario::{
     BUILT_IN, DispatchPolicy, Fault, MemoryLimit, Scenario, ScenarioError, Terrain, TruckGoal, TruckPlannerKind,
     WumpusGoal,
 };
+use wildfire_sim::game::{Answer, Game, GameChoice, GameScenario, Side, played};
+use wildfire_sim::policies::{NamedPolicy, Policy, RuleContext};
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentId, Outcome, Setting, Timeline, Winner, file};
 
@@ -89,7 +89,7 @@ impl SessionError {
             GameScenario::Name(name) => BUILT_IN.iter().find(|(key, _)| key == name).map_or("", |(_, text)| text),
         };
         let location = error.location.as_ref().filter(|location| location.is_in(text));
-        let place = location.map(wildfire_sim::scenario::SourceLocation::line_and_column);
+        let place = location.map(wildfire_scenario::SourceLocation::line_and_column);
         let message = match &error.fault {
             Fault::Unreadable { path, .. } => {
                 format!("`{path}` cannot be read: in a page a scenario has no other files")
@@ -403,7 +403,7 @@ mod tests {
             assert!(ask(&mut session, &json!({ "do": "page" }))["runs"][0]["seed"] == 3);
         }
         let finished = ask(&mut session, &json!({ "do": "finish" }));
-        let scenario = wildfire_sim::scenario::load("smoke", &[]).expect("it is built in");
+        let scenario = wildfire_scenario::load("smoke", &[]).expect("it is built in");
         let timeline = wildfire_sim::run(&scenario, 3).expect("it takes place").timeline;
         let recording = BASE64.encode(&file::encode(&timeline).expect("it fits"));
         assert_eq!(finished["recording"], recording);

@@ -24,9 +24,9 @@ use wildfire_batch::arena::{
     TrackBoard, TrackCheck, play, total_failure,
 };
 use wildfire_batch::plan::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds};
+use wildfire_scenario::Scenario;
 #[cfg(unix)]
 use wildfire_sim::programs::ProgramPool;
-use wildfire_sim::scenario::Scenario;
 
 /// The folder of a board, unless another is named.
 const BOARD: &str = "board";

@@ -14,7 +14,7 @@ use crate::cli::report::FormArguments;
 use crate::cli::why::parse_sample;
 use wildfire_base::input_file;
 use wildfire_batch::plan::{MAX_SEEDS_BYTES, MAX_SLICES, Record, Seeds, SeedsError, Slice};
-use wildfire_sim::scenario::MemoryLimit;
+use wildfire_scenario::MemoryLimit;
 
 /// The folder, in the current one, that holds a folder for each batch.
 pub const RUNS_FOLDER: &str = "runs";

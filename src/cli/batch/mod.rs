@@ -34,7 +34,7 @@ use wildfire_batch::plan::{
     BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, PROGRAM_VERSION, RequestError, Slice, shell_word,
 };
 use wildfire_batch::table::FinishedBatch;
-use wildfire_sim::scenario::ScenarioText;
+use wildfire_scenario::ScenarioText;
 
 /// The most variants that a dry run lists.
 const LISTED_VARIANTS: usize = 50;

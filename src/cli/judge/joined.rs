@@ -15,7 +15,7 @@ use wildfire_batch::drives::missed;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::judge::{DriveFigures, Judge, MAX_FIELDS_LONG, lower_bound_ratio};
 use wildfire_planning::{Goal, lower_bound_m};
-use wildfire_sim::scenario::Problem;
+use wildfire_scenario::Problem;
 use wildfire_timeline::Body;
 
 use super::path_table::TablePose;

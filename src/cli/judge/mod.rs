@@ -31,7 +31,7 @@ use wildfire_batch::drives::{
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::together::Mode;
 use wildfire_planning::{PlannerName, Planners};
-use wildfire_sim::scenario::{LoadedScenario, Problem};
+use wildfire_scenario::{LoadedScenario, Problem};
 use wildfire_timeline::file::{self, FileError};
 
 #[derive(Debug, Args)]
@@ -342,7 +342,7 @@ mod tests {
     use crate::cli::command_lines::check_message;
     use crate::cli::fuzz::text::mutated;
     use crate::cli::fuzz::{Case, Fuzzer, Law};
-    use wildfire_sim::scenario::Unimog;
+    use wildfire_scenario::Unimog;
 
     #[test]
     fn tables_of_paths_take_anything() {

@@ -16,7 +16,7 @@ use crate::cli::numbers;
 use wildfire_base::document::number::beside_limit;
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::untrusted::{bytes_of_cell, visible_start};
-use wildfire_sim::scenario::Problem;
+use wildfire_scenario::Problem;
 
 /// Two poses in a row are no farther apart than this, metres.
 pub const MAX_APART_M: f64 = 0.5;

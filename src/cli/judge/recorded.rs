@@ -9,7 +9,7 @@ use wildfire_grid::Grid;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::judge::{DriveFigures, Judge};
 use wildfire_planning::{Goal, GoalDisc};
-use wildfire_sim::scenario::{Problem, Terrain, Unimog};
+use wildfire_scenario::{Problem, Terrain, Unimog};
 use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Fact, Setting, Timeline};
 
 /// What a recording that says nothing of a truck's speeds is measured with, m/s; only lengths are made of it.

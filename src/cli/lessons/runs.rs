@@ -9,8 +9,8 @@ use super::short;
 use crate::cli::error::CliError;
 use wildfire_base::time::SimTime;
 use wildfire_batch::stats::{Series, UNBOUNDED, t_reach};
+use wildfire_scenario::{Scenario, load};
 use wildfire_sim::run;
-use wildfire_sim::scenario::{Scenario, load};
 use wildfire_timeline::{AgentId, Outcome, Role, RunIndex, Timeline};
 
 /// Seeds of the pairs, and the planners that are compared on them.

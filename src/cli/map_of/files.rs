@@ -15,7 +15,7 @@ use wildfire_grid::Grid;
 use wildfire_grid::map_files::raster::{GeoKeys, Raster, write_asc, write_geotiff, write_geotiff_bands};
 use wildfire_grid::map_files::write_npy;
 use wildfire_picture::{FieldMap, MapQuantity, bush_covers, draw_field_maps, ground_covers};
-use wildfire_sim::scenario::{ImportedLayers, Scenario};
+use wildfire_scenario::{ImportedLayers, Scenario};
 use wildfire_timeline::{FireBehavior, Setting, SpreadSetting};
 
 /// The value of a raster's cells that have none.

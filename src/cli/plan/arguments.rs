@@ -12,7 +12,7 @@ use crate::cli::report::FormArguments;
 use crate::cli::together::TogetherArguments;
 use wildfire_batch::drives::DriveProblems;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
-use wildfire_sim::scenario::MAX_GOALS;
+use wildfire_scenario::MAX_GOALS;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -28,7 +28,7 @@ use wildfire_batch::drives::{
 };
 use wildfire_batch::execute::file_name_of;
 use wildfire_planning::PlannerName;
-use wildfire_sim::scenario::{LoadedScenario, Problem};
+use wildfire_scenario::{LoadedScenario, Problem};
 
 pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     if let Some(PlanCommand::Report(report)) = &arguments.command {

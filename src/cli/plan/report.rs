@@ -16,7 +16,7 @@ use wildfire_batch::drives::{
 use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_picture::{DriveScene, DrivenWays, Picture, draw_drives};
 use wildfire_planning::{Goal, PlannerName, TruckPlannerKind};
-use wildfire_sim::scenario::{LoadedScenario, Problem};
+use wildfire_scenario::{LoadedScenario, Problem};
 
 /// The question and all answers.
 pub struct PlanReport<'a> {

@@ -17,7 +17,7 @@ use crate::cli::error::CliError;
 use crate::cli::terminal;
 use wildfire_base::time::SimTime;
 use wildfire_picture::film::{Layer, Layers, RunView};
-use wildfire_sim::scenario::MemoryLimit;
+use wildfire_scenario::MemoryLimit;
 use wildfire_timeline::{AgentFact, Fact};
 
 /// A run, and where others like it come from.
@@ -143,8 +143,8 @@ mod tests {
     use clap::Parser;
 
     use super::*;
+    use wildfire_scenario::BUILT_IN;
     use wildfire_sim::CustomRegistry;
-    use wildfire_sim::scenario::BUILT_IN;
 
     #[derive(Parser)]
     struct ShowCommand {

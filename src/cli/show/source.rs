@@ -12,8 +12,8 @@ use wildfire_base::time::SimTime;
 use wildfire_batch::plan::{PlannedRun, Record};
 use wildfire_batch::table::FinishedBatch;
 use wildfire_picture::film::{RunView, Verdict};
+use wildfire_scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
 use wildfire_sim::RunOptions;
-use wildfire_sim::scenario::{BUILT_IN, LoadedScenario, MemoryLimit, Scenario, ScenarioText};
 use wildfire_timeline::file::{self, FileError};
 use wildfire_timeline::{CpuSample, Timeline};
 #[cfg(feature = "view")]

@@ -13,7 +13,7 @@ use crate::report::Failures;
 use crate::table::{RunRecord, run_column};
 use wildfire_audit::{SampleStep, audit_timeline};
 use wildfire_planning::Planners;
-use wildfire_sim::scenario::Scenario;
+use wildfire_scenario::Scenario;
 use wildfire_sim::{CustomRegistry, RunError, RunOptions};
 use wildfire_timeline::Outcome;
 

@@ -7,7 +7,7 @@ use super::{ArenaError, ArenaRow};
 use crate::comparison::{Metric, MetricKind};
 use crate::plan::{AgentFile, BatchPlan, Course, CourseRequest, Seeds};
 use crate::table::Better;
-use wildfire_sim::scenario::ScenarioText;
+use wildfire_scenario::ScenarioText;
 
 /// The version of the tracks; tracks of another version are others, whatever their names.
 pub const ARENA_VERSION: &str = "1.0";

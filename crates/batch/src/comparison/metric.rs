@@ -8,7 +8,7 @@ use crate::comparison::runs_table::RowField;
 use crate::table::Better::{Higher, Lower};
 use crate::table::{Column, Kind, RUN_COLUMNS, RunRecord, TableReader, Unit, about, columns, run_column};
 use wildfire_base::untrusted::visible_start;
-use wildfire_sim::scenario::nearest_name;
+use wildfire_scenario::nearest_name;
 
 /// A metric of a run: how it is computed, and its description as in the lists of columns.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,7 +15,7 @@ use crate::comparison::sides::Side;
 use crate::comparison::wording::listed;
 use crate::plan::{PLAN_FILE, PLANNER_KEY, PlanError, RecordedPlan, RecordedVariant, range_text};
 use wildfire_base::untrusted::visible_start;
-use wildfire_sim::scenario::value_differences;
+use wildfire_scenario::value_differences;
 
 /// The name of a scenario, which says nothing of its runs.
 const NAME_KEY: &str = "name";

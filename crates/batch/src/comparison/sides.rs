@@ -4,7 +4,7 @@ use crate::comparison::error::ComparisonError;
 use crate::comparison::runs_table::{RunCondition, RunsTable};
 use crate::plan::is_same_value;
 use wildfire_base::untrusted::visible_start;
-use wildfire_sim::scenario::nearest_name;
+use wildfire_scenario::nearest_name;
 
 /// The maximum number of sides: each has a letter.
 pub const MAX_SIDES: usize = 26;

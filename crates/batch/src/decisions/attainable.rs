@@ -12,8 +12,8 @@ use std::ops::Bound;
 use rayon::prelude::*;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
+use wildfire_scenario::Scenario;
 use wildfire_sim::policies::{Action, Decision};
-use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentId, Timeline};
 
@@ -262,7 +262,7 @@ impl HindsightSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_sim::scenario;
+    use wildfire_scenario as scenario;
     use wildfire_timeline::Outcome;
 
     /// One truck and some fires that begin in a row, without an arsonist.

@@ -6,8 +6,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
+use wildfire_scenario::Scenario;
 use wildfire_sim::policies::{Action, Decision};
-use wildfire_sim::scenario::Scenario;
 use wildfire_sim::{RunError, RunOptions, Simulation};
 use wildfire_timeline::{AgentFact, AgentId, Fact};
 

@@ -10,7 +10,7 @@ use crate::drives::query::{DriveFailure, DriveQuery, QueryCost};
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::{MakeError, PlanFailure, PlannerName, Planners};
-use wildfire_sim::scenario::{
+use wildfire_scenario::{
     GroundKinds, MemoryEstimate, MemoryExceeded, MemoryLimit, Problem, Programs, TruckPlannerContext, Unimog,
 };
 

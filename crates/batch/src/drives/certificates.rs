@@ -17,7 +17,7 @@ use wildfire_base::whole_file::write_whole;
 use wildfire_planning::Goal;
 use wildfire_planning::certificate::Certificate;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker, MIN_CLEARANCE_M};
-use wildfire_sim::scenario::Problem;
+use wildfire_scenario::Problem;
 
 /// The format of the file.
 const FORMAT: u32 = 1;

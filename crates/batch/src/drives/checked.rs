@@ -8,7 +8,7 @@ use wildfire_base::vehicle::{Dimensions, Path};
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::judge::{DriveFigures, Judge};
 use wildfire_planning::{END_M, END_RAD, Goal};
-use wildfire_sim::scenario::Problem;
+use wildfire_scenario::Problem;
 use wildfire_timeline::Body;
 
 /// A path, its figures, and its first violation.
@@ -82,7 +82,7 @@ mod tests {
     use wildfire_grid::Grid;
     use wildfire_planning::GoalDisc;
     use wildfire_planning::collision::ClearanceField;
-    use wildfire_sim::scenario::{Terrain, Unimog};
+    use wildfire_scenario::{Terrain, Unimog};
 
     const START: Pose = Pose { x: 20.0, y: 22.5, heading: 0.0 };
 

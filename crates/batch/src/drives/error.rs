@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::drives::attempts::AttemptError;
 use wildfire_planning::{NameError, PlannerName};
-use wildfire_sim::scenario::{MAX_GOALS, ScenarioError, TerrainError};
+use wildfire_scenario::{MAX_GOALS, ScenarioError, TerrainError};
 
 /// The reason why nothing is planned.
 #[derive(Debug, Error)]

@@ -9,7 +9,7 @@ use crate::drives::error::DriveError;
 use wildfire_base::rng;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
 use wildfire_planning::{Goal, GoalDisc, free_poses};
-use wildfire_sim::scenario::{MAX_GOALS, Problem, Scenario, Unimog};
+use wildfire_scenario::{MAX_GOALS, Problem, Scenario, Unimog};
 
 /// Goal poses on a scenario's field, unless a number is given.
 const GOALS: usize = 50;

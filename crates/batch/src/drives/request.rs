@@ -5,10 +5,10 @@ use super::error::DriveError;
 use super::problems::DriveProblems;
 use super::table::DriveTable;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
+use wildfire_scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
 use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
-use wildfire_sim::scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
 
 /// Drives on the fields of one scenario, with one seed.
 #[derive(Clone, Debug)]

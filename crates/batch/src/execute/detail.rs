@@ -251,8 +251,8 @@ fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use wildfire_scenario as scenario;
     use wildfire_sim::Run;
-    use wildfire_sim::scenario;
 
     fn smoke() -> Run {
         let scenario = scenario::load("smoke", &[]).expect("it is built in");

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::execute::{CpuSplit, RunDetail};
 use crate::plan::RunLabel;
-use wildfire_sim::scenario::value_differences;
+use wildfire_scenario::value_differences;
 use wildfire_sim::{PolicyTally, RunCost};
 use wildfire_timeline::{AgentOutcome, Outcome};
 

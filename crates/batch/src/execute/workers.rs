@@ -14,7 +14,7 @@ use crate::execute::journal::{OpenJournal, encode_row};
 use crate::execute::{BatchError, OutputFolder, RunDetail, RunResult, RunRow, Status, panics};
 use crate::plan::{BatchPlan, PlannedRun};
 use wildfire_base::time::wall::WallStopwatch;
-use wildfire_sim::scenario::Scenario;
+use wildfire_scenario::Scenario;
 use wildfire_sim::{Run, RunError};
 use wildfire_timeline::file::{self, FileError};
 use wildfire_timeline::{RunIndex, Timeline};

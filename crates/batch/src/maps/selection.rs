@@ -6,7 +6,7 @@ use crate::execute::panics;
 use crate::maps::MapsError;
 use crate::plan::{PlannedRun, Variant, is_same_value, planner_of};
 use crate::table::FinishedBatch;
-use wildfire_sim::scenario::Scenario;
+use wildfire_scenario::Scenario;
 use wildfire_sim::{CustomRegistry, RunOptions};
 use wildfire_timeline::{Timeline, file};
 

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::BatchPlan;
-use wildfire_sim::scenario::{Scenario, value_differences};
+use wildfire_scenario::{Scenario, value_differences};
 
 /// The most differences that are named.
 const MAX: usize = 5;
@@ -62,7 +62,7 @@ fn shortened(mut found: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_sim::scenario;
+    use wildfire_scenario as scenario;
 
     fn smoke(changes: &[&str]) -> Scenario {
         let changes: Vec<_> = changes.iter().map(|&change| change.to_owned()).collect();

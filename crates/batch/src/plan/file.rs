@@ -23,7 +23,7 @@ use toml::{Table, Value};
 use super::request::PlanFileError;
 use super::sweep::SweepError;
 use super::{BatchRequest, Record, RequestError, Seeds, SeedsError, Setting, Sweep};
-use wildfire_sim::scenario::{BUILT_IN, ScenarioText, first_too_deep};
+use wildfire_scenario::{BUILT_IN, ScenarioText, first_too_deep};
 
 /// A plan file with comments, to begin with.
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");

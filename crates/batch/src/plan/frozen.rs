@@ -17,8 +17,8 @@ use super::{Seeds, SeedsError, Value, Variant};
 use wildfire_base::input_file::{self, InputFile, list_of_at_most};
 use wildfire_base::object;
 use wildfire_planning::PlannerName;
+use wildfire_scenario::{self as scenario, Fault, MemoryLimit, Program, Programs, TruckGoal, WumpusGoal};
 use wildfire_sim::CustomRegistry;
-use wildfire_sim::scenario::{self, Fault, MemoryLimit, Program, Programs, TruckGoal, WumpusGoal};
 
 pub const PLAN_FILE: &str = "plan.json";
 
@@ -363,7 +363,7 @@ mod tests {
 
     use super::*;
     use crate::plan::BatchRequest;
-    use wildfire_sim::scenario::BUILT_IN;
+    use wildfire_scenario::BUILT_IN;
 
     fn plan(scenario: &str, options: &[&str]) -> BatchPlan {
         let mut request = BatchRequest { scenarios: vec![scenario.into()], ..BatchRequest::default() };

@@ -43,7 +43,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_sim::scenario::{Dispatch, MemoryLimit, Scenario, Unimog};
+use wildfire_scenario::{Dispatch, MemoryLimit, Scenario, Unimog};
 use wildfire_timeline::AgentId;
 
 /// The most keys that a batch sweeps, and the most changes of a scenario.
@@ -276,7 +276,7 @@ pub fn shell_word(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_sim::scenario;
+    use wildfire_scenario as scenario;
 
     fn two_by_three() -> BatchPlan {
         let sweep = Sweep::parse("field.coverage", "0.05, 0.1").expect("two values");

@@ -9,7 +9,7 @@ use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
 use super::{BatchPlan, MAX_FREE_KEYS, PROGRAM_VERSION, PlanError, RunLabel, Variant};
 use super::{PLAN_FILE, Value};
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_sim::scenario::MemoryLimit;
+use wildfire_scenario::MemoryLimit;
 
 /// The longest plan of another version that is read: unlike this version's, its values are not known in advance, and
 /// each may take some dozen times the memory of its text.

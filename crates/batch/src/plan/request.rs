@@ -10,7 +10,7 @@ use super::{
     BatchPlan, MAX_CHANGES, MAX_RUNS, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Seeds, SeedsError, Setting, Sweep, Value,
     Variant,
 };
-use wildfire_sim::scenario::{LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
+use wildfire_scenario::{LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
 /// The most runs of a batch that is not insisted on.
 pub const RUNS_WITHOUT_FORCE: u64 = 100_000;
@@ -232,7 +232,7 @@ fn json_of(scenario: &Scenario) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wildfire_sim::scenario::Fault;
+    use wildfire_scenario::Fault;
 
     fn request(scenarios: &[&str], options: &[&str], planners: &[&str]) -> Result<BatchPlan, RequestError> {
         let scenarios = scenarios.iter().map(|&name| name.to_owned()).collect();

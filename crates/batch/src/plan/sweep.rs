@@ -9,7 +9,7 @@
 use thiserror::Error;
 
 use super::Value;
-use wildfire_sim::scenario::toml_value;
+use wildfire_scenario::toml_value;
 
 /// Keys that take their values together.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,7 +14,7 @@ use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::untrusted::spreadsheet_cell;
-use wildfire_sim::scenario::Scenario;
+use wildfire_scenario::Scenario;
 
 /// The reports of all variants, in the order of the plan.
 #[derive(Clone, Debug, Default)]

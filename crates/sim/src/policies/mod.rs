@@ -25,12 +25,12 @@ use std::time::Duration;
 
 use glam::DVec2;
 
-use crate::scenario::Crew;
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireField;
 use wildfire_fire::line::Forecast;
 use wildfire_planning::PlanFailure;
+use wildfire_scenario::Crew;
 use wildfire_timeline::{Activity, AgentId};
 
 pub use largest_cluster::cluster_sizes;

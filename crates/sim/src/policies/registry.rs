@@ -14,11 +14,11 @@ use super::nearest::{FarthestFromTruck, Nearest, Oldest};
 use super::nearest_intact::NearestIntact;
 use super::random_intact::RandomIntact;
 use super::{PerAgentPolicy, Policy};
-use crate::scenario::{Learned, TruckGoal, WumpusGoal, is_built_in_policy};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::time::SimTime;
 use wildfire_planning::{MakeError, PlannerName};
+use wildfire_scenario::{Learned, TruckGoal, WumpusGoal, is_built_in_policy};
 use wildfire_timeline::AgentId;
 
 /// The context for which a policy is made: the agents that follow it in one run.
@@ -211,8 +211,8 @@ mod tests {
 
     use super::*;
     use crate::policies::{Action, Observation};
-    use crate::scenario::{self, Scenario, ScenarioError};
     use crate::{RunError, RunOptions};
+    use wildfire_scenario::{self as scenario, Scenario, ScenarioError};
 
     fn load(name: &str, changes: &[&str]) -> Result<Scenario, Box<ScenarioError>> {
         scenario::load(name, &changes.iter().map(|&change| change.to_owned()).collect::<Vec<_>>())

@@ -16,13 +16,13 @@ use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
 use super::supervisor::ProcessLimits;
 use crate::StartPrograms;
 use crate::policies::{Policies, Policy, PolicyContext, PolicyNameError};
-use crate::scenario::{Program, Programs, Scenario, UsedProgram};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, ReedsShepp};
 use wildfire_module::{Engine, Module};
 use wildfire_planning::collision::{ClearanceField, MIN_CLEARANCE_M};
 use wildfire_planning::{MakeError, NameError, PlannerContext, PlannerName, Planners, TruckPlanner};
+use wildfire_scenario::{Program, Programs, Scenario, UsedProgram};
 use wildfire_timeline::AgentId;
 
 /// The most processes of a program at once.

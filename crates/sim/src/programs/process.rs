@@ -19,12 +19,12 @@ use nix::sys::signal::{Signal, killpg};
 use nix::unistd::Pid;
 
 use super::process_tree::GroupClock;
-use super::protocol::MAX_BYTES;
 use super::supervisor::{self, Exceeded, ExitCause, GRACE, MAX_STDERR_LINES, ProcessLimits, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
 use wildfire_module::Module;
 use wildfire_planning::PlanFailure;
+use wildfire_scenario::MAX_MESSAGE_BYTES;
 
 /// The time in which a supervisor ends what is left of a program, and itself.
 const TIDYING: Duration = Duration::from_secs(3);
@@ -247,8 +247,8 @@ impl Process {
             if let Some(line) = self.take_line() {
                 return Ok(line);
             }
-            if self.received.len() >= MAX_BYTES {
-                let problem = format!("it is longer than {MAX_BYTES} bytes");
+            if self.received.len() >= MAX_MESSAGE_BYTES {
+                let problem = format!("it is longer than {MAX_MESSAGE_BYTES} bytes");
                 return Err(ProcessError::bad_answer(&self.received, &problem));
             }
             let elapsed = watch.elapsed();
@@ -329,7 +329,7 @@ impl Process {
 
     /// Takes in what was written, up to one line more than is wanted.
     fn receive(&mut self) {
-        while self.received.len() < MAX_BYTES {
+        while self.received.len() < MAX_MESSAGE_BYTES {
             match self.from.read(&mut self.scratch) {
                 Ok(0) => {
                     self.has_closed_output = true;

@@ -13,19 +13,16 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 
 use crate::policies::{FirelineContext, MAX_LINE_POINTS, Observation};
-use crate::scenario::Crew;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_fire::BushState;
 use wildfire_planning::MAX_SEARCH_EDGES;
 use wildfire_planning::judge::MAX_SEGMENTS;
+use wildfire_scenario::Crew;
 use wildfire_timeline::AgentId;
 
 /// The version of the protocol, which both sides say in their first message.
 pub const VERSION: u32 = 1;
-
-/// The most bytes of a line, its end included.
-pub const MAX_BYTES: usize = 16_000_000;
 
 /// What is kept of the segments, or poses, of a path: one more than may pass the gate.
 const KEPT_SEGMENTS: usize = MAX_SEGMENTS + 1;

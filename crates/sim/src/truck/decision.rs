@@ -14,7 +14,6 @@ use crate::fire::Fires;
 use crate::policies::{Action, PolicyId, PolicyQuery, PolicyScope, PolicySet};
 use crate::queue::AgentEvent;
 use crate::recorder::CpuLog;
-use crate::scenario::{Detours, TrafficPlan};
 use crate::traffic::Traffic;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -22,6 +21,7 @@ use wildfire_base::trajectory::{Piece, Trajectory};
 use wildfire_base::vehicle::Path;
 use wildfire_fire::FireField;
 use wildfire_planning::{Effort, FoundBy};
+use wildfire_scenario::{Detours, TrafficPlan};
 use wildfire_timeline::{AgentFact, RestReason};
 
 /// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.

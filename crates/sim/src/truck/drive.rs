@@ -3,7 +3,6 @@
 use super::Truck;
 use crate::recorder::Recorder;
 use crate::run::AgentCost;
-use crate::scenario::TrafficPlan;
 use crate::traffic::{Traffic, after_waiting};
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::time::SimTime;
@@ -14,6 +13,7 @@ use wildfire_planning::{
     BlockedLeg, CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_among, plan_to_nearest,
     replan_around,
 };
+use wildfire_scenario::TrafficPlan;
 use wildfire_timeline::AgentId;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.

@@ -19,7 +19,6 @@ use std::sync::Arc;
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 
-use crate::scenario::TrafficRules;
 use crate::shared::Shared;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -29,6 +28,7 @@ use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
 use wildfire_planning::registry::Charge;
 use wildfire_planning::{Effort, TruckPlanner};
+use wildfire_scenario::TrafficRules;
 use wildfire_timeline::WaterRules;
 
 pub use drive::{Blocked, Drive};

@@ -10,13 +10,13 @@ use crate::agent::{Activity, Agent, SpawnContext, enlist};
 use crate::policies::PolicySet;
 use crate::recorder::Recorder;
 use crate::run::{AgentCost, RunError};
-use crate::scenario::{self, Extinguishes, Retarget, TruckPlannerContext, free_start};
 use crate::shared::Shared;
 use crate::wake::WakeTriggers;
 use wildfire_base::time::SimTime;
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
 use wildfire_planning::{BuildReport, QueryMonitor};
+use wildfire_scenario::{self as scenario, Extinguishes, Retarget, TruckPlannerContext, free_start};
 use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, RestReason};
 
 /// Places a truck on the free pose that is nearest to its start and builds its planner.

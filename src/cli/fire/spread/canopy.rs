@@ -10,7 +10,7 @@ use crate::cli::fire::options::{LIVE_MOISTURES, choice};
 use crate::cli::numbers;
 use wildfire_fire::CanopyLayers;
 use wildfire_fire::surface::crown::{CrownMethod, CrownRules, CrownSettings};
-use wildfire_sim::scenario::{ImportedLayers, LayerKind};
+use wildfire_scenario::{ImportedLayers, LayerKind};
 
 /// Trees above the fuel, with which fire gets into crowns.
 #[derive(Clone, Debug, Args)]

@@ -11,7 +11,7 @@ use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::{Landscape, Relief};
-use wildfire_sim::scenario::{ImportedLayers, LayerKind, LayerReader, bytes_text};
+use wildfire_scenario::{ImportedLayers, LayerKind, LayerReader, bytes_text};
 
 /// Where the ground is read from.
 pub struct GroundSources<'a> {

@@ -26,7 +26,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::FuelMoisture;
 use wildfire_fire::{Weather, WeatherInterval};
-use wildfire_sim::scenario::MemoryLimit;
+use wildfire_scenario::MemoryLimit;
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;

@@ -15,7 +15,7 @@ use wildfire_batch::drives::{
 };
 use wildfire_batch::plan::{BatchPlan, BatchRequest, PLANNER_KEY, RequestError, Seeds, Sweep, Value, Variant};
 use wildfire_planning::PlannerName;
-use wildfire_sim::scenario::{Problem, ScenarioText};
+use wildfire_scenario::{Problem, ScenarioText};
 
 /// The variants, seeds and planners of a benchmark.
 pub struct Benchmark<'a> {

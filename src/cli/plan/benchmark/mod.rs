@@ -28,7 +28,7 @@ use wildfire_base::document::Document;
 use wildfire_base::input_file::is_standard_stream;
 use wildfire_batch::drives::{DriveTable, PlannerSummary};
 use wildfire_batch::plan::{BatchRequest, RequestError};
-use wildfire_sim::scenario::LoadedScenario;
+use wildfire_scenario::LoadedScenario;
 
 /// The files of a folder that `--report` fills.
 const QUERIES_FILE: &str = "queries.csv";

@@ -19,7 +19,7 @@ use wildfire_batch::execute::Machine;
 use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::{PlanFailure, PlannerName};
-use wildfire_sim::scenario::{MemoryLimit, Programs};
+use wildfire_scenario::{MemoryLimit, Programs};
 
 /// OMPL's own words for the ends of a run, by their numbers there.
 const STATUSES: [&str; 10] = [

@@ -16,7 +16,7 @@ use crate::plan::{
     rules_of,
 };
 use wildfire_base::untrusted::visible_start;
-use wildfire_sim::scenario::nearest_name;
+use wildfire_scenario::nearest_name;
 
 /// The columns that name an entry whatever was swept.
 const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];

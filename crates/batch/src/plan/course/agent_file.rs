@@ -10,7 +10,7 @@ use super::rules_file::{Course, ProgramLimits};
 use super::{CourseChange, CourseError, Leaf, fault, leaves, message_of, parse_toml, read_toml};
 use crate::plan::TABLES_OF_PROGRAMS;
 use crate::plan::free::is_price;
-use wildfire_sim::scenario::{Fault, FieldPath, PathStep};
+use wildfire_scenario::{Fault, FieldPath, PathStep};
 
 /// The table of an agent's file that is no part of a scenario.
 const ENTRY_TABLE: &str = "entry";

@@ -38,7 +38,7 @@ pub use agent_file::EntryCard;
 use rules_file::Condition;
 pub(crate) use rules_file::Course;
 pub use rules_file::schema as rules_schema;
-use wildfire_sim::scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep, value_differences};
+use wildfire_scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep, value_differences};
 
 /// The column with the name of the condition under which an entry plays.
 pub const CONDITION_COLUMN: &str = "condition";
@@ -244,7 +244,7 @@ impl SharedRules {
 }
 
 /// The sentence of a scenario's fault, with what may help.
-fn message_of(error: &wildfire_sim::scenario::ScenarioError) -> String {
+fn message_of(error: &wildfire_scenario::ScenarioError) -> String {
     let advice = error.fault.advice().map_or(String::new(), |advice| format!("; {advice}"));
     format!("{error}{advice}")
 }

@@ -11,7 +11,7 @@ use crate::plan::file::{SeedList, located};
 use crate::plan::seeds::MAX_SEEDS_BYTES;
 use crate::plan::{FreeKeys, MAX_FREE_KEYS, Record, Seeds};
 use wildfire_base::input_file;
-use wildfire_sim::scenario::{FieldPath, LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
+use wildfire_scenario::{FieldPath, LoadedScenario, MemoryLimit, Scenario, ScenarioError, ScenarioText};
 
 /// The most conditions of a course.
 const MAX_CONDITIONS: usize = 50;

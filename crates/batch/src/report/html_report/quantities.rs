@@ -6,7 +6,7 @@ use super::ReportError;
 use crate::comparison::Metric;
 use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::untrusted::visible_start;
-use wildfire_sim::scenario::nearest_name;
+use wildfire_scenario::nearest_name;
 
 const OBSTACLES: usize = run_column("obstacles");
 

@@ -6,8 +6,8 @@ use super::{AssignmentRule, IdleRule, NearestByDrive, make};
 use crate::policies::learned::Networks;
 use crate::policies::nearest::Nearest;
 use crate::policies::{PerAgentPolicy, Policy};
-use crate::scenario::{self, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
 use wildfire_base::time::SimTime;
+use wildfire_scenario::{self as scenario, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
 use wildfire_timeline::{AgentId, WaterRules};
 
 /// Makes the policy of all trucks of a run, if the scenario dispatches them.

@@ -6,10 +6,10 @@ use glam::DVec2;
 
 use super::team::{Assignment, Fire, Intact, StagingRule, Team, TeamRules, TeamTruck};
 use crate::policies::{Action, AgentView, Observation, Policy, PolicyScope};
-use crate::scenario::{Sight, SightOfField};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::{BushState, FireField};
+use wildfire_scenario::{Sight, SightOfField};
 use wildfire_timeline::{Activity, AgentId, WaterRules};
 
 /// The members of a team and what it knows throughout a run.

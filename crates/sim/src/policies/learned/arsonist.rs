@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::Network;
 use crate::policies::densest::Densest;
 use crate::policies::nearest_intact::ring_around;
 use crate::policies::{Action, AgentView, Observation, Policy, first_goes};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
+use wildfire_scenario::Network;
 use wildfire_timeline::AgentId;
 
 /// The cells that are looked at, nearest first by square rings.
@@ -83,7 +83,7 @@ impl Around {
         }
     }
 
-    /// Lists the inputs of the network for a cell, in the order of [`crate::scenario::Learned::LIGHT_INPUTS`].
+    /// Lists the inputs of the network for a cell, in the order of [`wildfire_scenario::Learned::LIGHT_INPUTS`].
     fn inputs(&self, from: DVec2, place: DVec2, thickness: f64) -> [f64; 7] {
         let (mut first, mut second) = (FAR_M, FAR_M);
         for truck in &self.trucks {

@@ -4,14 +4,12 @@
 //! program, trained by the scripts in `python/training`, or from the table `learned` of a scenario.
 
 mod arsonist;
-mod network;
 
 use std::sync::{Arc, LazyLock};
 
-use crate::scenario::Learned;
+use wildfire_scenario::{Learned, Network};
 
 pub use arsonist::LearnedArsonist;
-pub use network::Network;
 
 /// The networks of a run's learned policies.
 #[derive(Clone, Debug)]

@@ -8,9 +8,9 @@ use glam::DVec2;
 use super::super::team::{StagingRule, Team, TeamTruck};
 use super::centroids::{posts, waits_at, worth_m};
 use super::spread_out::{BushBlock, BushDensity, spread_out};
-use crate::policies::learned::Network;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
+use wildfire_scenario::Network;
 use wildfire_timeline::AgentId;
 
 /// The ignitions that are remembered, the latest.

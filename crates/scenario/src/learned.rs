@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Scenario;
 use super::check::{Check, TablePath};
-use crate::policies::learned::Network;
+use super::network::Network;
 use wildfire_base::input_file::list_of_at_most;
 
 /// The number of hidden units of each network.

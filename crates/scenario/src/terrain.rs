@@ -189,7 +189,7 @@ impl PieceLayout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{Field, ImportedField, Unimog};
+    use crate::{Field, ImportedField, Unimog};
 
     fn scenario(field: Field) -> Scenario {
         Scenario { name: "test".into(), field, ..Scenario::default() }
@@ -214,10 +214,9 @@ mod tests {
     #[test]
     fn bushes_keep_away_from_every_start() {
         let mut scenario = scenario(Field { coverage: 0.4, ..Field::default() });
-        scenario.unimog.push(Unimog {
-            start: crate::scenario::StartPose { x_m: 3.0, y_m: 120.0, heading_deg: 90.0 },
-            ..Unimog::default()
-        });
+        scenario
+            .unimog
+            .push(Unimog { start: crate::StartPose { x_m: 3.0, y_m: 120.0, heading_deg: 90.0 }, ..Unimog::default() });
         for overlaps in [Overlaps::Never, Overlaps::Dropped] {
             scenario.field.overlaps = overlaps;
             for seed in 0..20 {

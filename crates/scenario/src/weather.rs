@@ -226,7 +226,7 @@ pub(super) fn describe_wind(speed_mps: f64, toward_deg: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::load;
+    use crate::load;
 
     fn scenario() -> Scenario {
         load("contest", &["fire.model=rothermel".into()]).expect("contest is right")

@@ -1,4 +1,4 @@
-//! Scenarios, which users write: field, fire, agents, score; with defaults, checks and terrain generation.
+#![doc = include_str!("../README.md")]
 //!
 //! [`load`] turns a name or a path into a [`Scenario`] that is complete and checked: it reads the TOML text, makes the
 //! changes of the command line, fills in the defaults, reads the map if the field is given, and refuses what cannot be
@@ -39,6 +39,7 @@ mod learned;
 mod line;
 mod load;
 mod memory;
+mod network;
 mod path;
 mod problem;
 mod program;
@@ -80,9 +81,10 @@ pub use learned::{HIDDEN, Learned};
 pub use line::{Crew, LineHolds, LineSettings, ProtectedPlace};
 pub use load::{LoadedScenario, load};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
+pub use network::Network;
 pub use path::{FieldPath, PathStep};
 pub use problem::{MAX_GOALS, Problem};
-pub use program::{Program, Programs, UsedProgram};
+pub use program::{MAX_MESSAGE_BYTES, Program, Programs, UsedProgram};
 pub use rothermel::RothermelSettings;
 pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
 pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};

@@ -1,6 +1,6 @@
 //! A network with one hidden layer of rectified units.
 
-use crate::scenario::HIDDEN;
+use crate::HIDDEN;
 
 /// A function of some inputs: `b + sum v_h max(0, c_h + w_h . x)`. Sums run in a fixed order and nothing but sums and products is
 /// used, so its values are the same bits everywhere.

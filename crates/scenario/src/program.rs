@@ -17,8 +17,6 @@ use sha2::{Digest, Sha256};
 use super::Scenario;
 use super::check::{Check, TablePath};
 use super::path::PathStep;
-#[cfg(unix)]
-use crate::programs::protocol::MAX_BYTES;
 use wildfire_base::input_file::{self, list_of_at_most};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
@@ -41,6 +39,9 @@ const START_INSTRUCTIONS: u64 = 10_000_000_000;
 /// The largest memory of a module.
 #[cfg(unix)]
 const MAX_MODULE_MB: u32 = 256;
+
+/// The most bytes of a message to or from a program or module, its line end included.
+pub const MAX_MESSAGE_BYTES: usize = 16_000_000;
 
 /// The largest file of a module, bytes.
 const MAX_MODULE_BYTES: u64 = 64_000_000;
@@ -166,7 +167,7 @@ impl Program {
     /// Returns what a module may take.
     #[cfg(unix)]
     pub fn module_limits(&self) -> Limits {
-        Limits { memory: self.memory_limit_mb.min(MAX_MODULE_MB) as usize * 1_000_000, answer: MAX_BYTES }
+        Limits { memory: self.memory_limit_mb.min(MAX_MODULE_MB) as usize * 1_000_000, answer: MAX_MESSAGE_BYTES }
     }
 
     /// Reads the file of a module.

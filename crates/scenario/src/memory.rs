@@ -269,7 +269,7 @@ impl FieldMeasures {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{BUILT_IN, TruckPlannerKind, load};
+    use crate::{BUILT_IN, TruckPlannerKind, load};
 
     fn estimate(source: &str, changes: &[&str]) -> MemoryEstimate {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

@@ -236,7 +236,7 @@ fn best_candidate<A: Placed>(agent: &A, field: &OpenField, taken: &[(DVec2, f64)
 mod tests {
     use super::super::{LoadedScenario, load};
     use super::*;
-    use crate::scenario::explain;
+    use crate::explain;
 
     fn loaded(source: &str, changes: &[&str]) -> Scenario {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

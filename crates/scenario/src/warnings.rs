@@ -171,8 +171,8 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::agents::SHOWN_ALIKE;
-    use crate::scenario::{ImportedField, ImportedLayers, StartPose, load};
+    use crate::agents::SHOWN_ALIKE;
+    use crate::{ImportedField, ImportedLayers, StartPose, load};
 
     fn warned(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

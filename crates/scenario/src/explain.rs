@@ -276,7 +276,7 @@ fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{BUILT_IN, Field, ImportedField, load};
+    use crate::{BUILT_IN, Field, ImportedField, load};
 
     fn explained(source: &str, changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

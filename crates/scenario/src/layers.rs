@@ -899,7 +899,7 @@ mod tests {
         let file = file(folder.path(), "weights.asc", [0.0, 3.0, 0.0, 0.0, -9999.0, 1.0], |_| ());
         let frame = FieldFrame { cols: 3, rows: 2, cell_m: 30.0 };
         let weights = Some(Weights::read(&file, &frame, None).expect("it fits"));
-        let density = crate::scenario::IgnitionDensity { file, count: 1, weights };
+        let density = crate::IgnitionDensity { file, count: 1, weights };
         let [heavy, light] = [(1, 0), (2, 1)].map(wildfire_base::geometry::Cell::from);
         let mut heavy_first = 0_u32;
         for seed in 0..1000 {

@@ -208,7 +208,7 @@ pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{LoadedScenario, MemoryLimit, explain};
+    use crate::{LoadedScenario, MemoryLimit, explain};
 
     fn explained(changes: &[&str]) -> String {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();

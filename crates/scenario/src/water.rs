@@ -177,7 +177,7 @@ fn has_room(checker: &CollisionChecker, body: &Dimensions, place: DVec2, reach_m
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{LoadedScenario, MemoryLimit, explain, load};
+    use crate::{LoadedScenario, MemoryLimit, explain, load};
 
     fn scenario(changes: &[&str]) -> Result<Scenario, String> {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
