@@ -1,12 +1,13 @@
 //! Forks: copies of an unfinished run that go on by themselves.
 
 use bevy_ecs::prelude::*;
-use thiserror::Error;
 
+use super::Simulation;
 use super::agent::{Agent, AgentOrder};
 use super::end::Ended;
 use super::fire::{Fires, Ignitions};
 use super::line::CrewOrders;
+use super::options::{NotForked, RunError, RunOptions};
 use super::policies::{Action, ActionOverride, Decision, NamedPolicy, PolicyId, PolicySet};
 use super::queue::{SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
@@ -15,18 +16,12 @@ use super::wake::WakeTriggers;
 use super::walk_lattices::WalkPlanners;
 use super::water::WaterNeeds;
 use super::wumpus::Wumpus;
-use super::{RunError, RunOptions, Simulation};
 use wildfire_base::geometry::Cell;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
 use wildfire_scenario::{Program, Retarget, Scenario, ValueDifference, value_differences};
 use wildfire_timeline::{AgentId, Role};
-
-/// The reason why a run has no forks.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("the policy {0} runs outside this program and cannot be copied in the middle of a run")]
-pub struct NotForked(String);
 
 impl Simulation {
     /// Returns a copy of the run at this instant. A copy that nobody interferes with ends as this run does, bit for bit.

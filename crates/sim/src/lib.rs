@@ -18,6 +18,7 @@ mod fire;
 mod fork;
 pub mod game;
 mod line;
+mod options;
 pub mod policies;
 #[cfg(not(target_family = "wasm"))]
 pub mod programs;
@@ -47,10 +48,8 @@ use wildfire_scenario::{MemoryEstimate, MemoryLimit, Scenario};
 use wildfire_timeline::{AgentId, Event, GroundEvent, Setting, Timeline};
 
 pub use episode::{Episode, PendingAgent, Points};
-pub use fork::NotForked;
-pub use run::{
-    AgentCost, CustomRegistry, FailureMessages, PolicyTally, Run, RunCost, RunError, RunOptions, StartPrograms,
-};
+pub use options::{CustomRegistry, NotForked, RunError, RunOptions, StartPrograms};
+pub use run::{AgentCost, FailureMessages, PolicyTally, Run, RunCost};
 
 use agent::{Agent, AgentOrder};
 use end::Ended;

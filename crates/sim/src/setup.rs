@@ -15,16 +15,20 @@ use wildfire_fire::models::Radius;
 use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::memory::MemoryMeter;
 use wildfire_scenario::{
-    self as scenario, Extinguishes, GroundKinds, Ignition, IgnitionCells, Scenario, Terrain, Unimog,
+    self as scenario, Extinguishes, GroundKinds, Ignition, IgnitionCells, LineHolds, Scenario, Terrain, Unimog,
+    WaterEffect,
 };
-use wildfire_timeline::{AgentId, AgentStart, Rules, Setting, SpreadSetting, WaterRules};
+use wildfire_timeline::{
+    AgentId, AgentStart, CrewRules, LineRules, Rules, Setting, SpreadSetting, WaterEnergy, WaterRules,
+};
 
 use super::agent::{AgentOrder, SpawnContext};
 use super::fire::{Fires, Ignitions, ScheduledIgnition};
+use super::options::{RunError, RunOptions};
 use super::policies::{NamedPolicy, Policies, PolicyContext, PolicySet, RuleContext, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
-use super::run::{RunCost, RunError, RunOptions};
+use super::run::RunCost;
 use super::walk_lattices::WalkLattices;
 use super::water::WaterNeeds;
 use super::{line, truck, wumpus};
@@ -155,8 +159,25 @@ pub fn water_rules(scenario: &Scenario) -> Option<WaterRules> {
     let full_tank = water.full_tank();
     let fill_per_stop = water.fill_per_stop();
     let reach_m = water.reach_m;
-    let energy = water.energy();
+    let energy = (water.effect == WaterEffect::Energy).then_some(WaterEnergy {
+        portion_l: water.stop_l,
+        pump_lps: water.pump_lps,
+        jet_m: water.jet_m,
+        applied: water.applied,
+    });
     (!places.is_empty()).then_some(WaterRules { full_tank, fill_per_stop, reach_m, places, energy })
+}
+
+/// Returns what bounds the work of crews in a run, if there are any.
+fn line_rules(scenario: &Scenario) -> Option<LineRules> {
+    let crews = scenario.crew.iter().map(|crew| CrewRules {
+        at_ns: SimTime::from_seconds(crew.at_s).as_nanos(),
+        start_m: [crew.x_m, crew.y_m],
+        walking_mps: crew.speed_mps,
+        rate_mps: crew.max_mps(),
+    });
+    let can_be_lost = scenario.line.as_ref().is_some_and(|line| line.holds == LineHolds::Flame);
+    (!scenario.crew.is_empty()).then(|| LineRules { crews: crews.collect(), can_be_lost })
 }
 
 /// Returns the shares of their speed that trucks keep by ground, if some of them are slowed.
@@ -194,7 +215,7 @@ fn setting(
         spread,
         water: water_rules(scenario),
         ground_shares: ground_shares(scenario),
-        line: scenario.line_rules(),
+        line: line_rules(scenario),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),

@@ -27,10 +27,10 @@ use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Cause, RestReason}
 
 use super::agent::{Activity, Agent, enlist};
 use super::fire::Fires;
+use super::options::RunError;
 use super::policies::{Action, ActionMask, AgentView, PolicyId, PolicyQuery, PolicySet};
 use super::queue::{AgentEvent, CellEvent, Due, SimClock, SimQueue};
 use super::recorder::{CpuLog, Recorder};
-use super::run::RunError;
 use super::schedule::{Pass, SimSystems};
 use super::wake::{Trigger, WakeTriggers};
 use super::walk_lattices::{LatticePosition, Targets, WalkLattices, WalkPlannerId, WalkPlanners};

@@ -1,6 +1,6 @@
 //! A program that is asked for as long as a run lasts: greeted, shown its field, started again when it fails.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::backend::Backend;
@@ -38,6 +38,33 @@ pub struct ProgramSession {
     counted: Duration,
     /// Instructions that a module may run until it is ready.
     start_instructions: u64,
+}
+
+/// Programs that play in more than one run and are free at the moment.
+#[derive(Debug, Default)]
+pub struct Idle(Mutex<Vec<(Arc<Launch>, ProgramSession)>>);
+
+impl Idle {
+    /// Takes a program that was started in the same way, if one is free.
+    pub fn take(&self, launch: &Launch) -> Option<ProgramSession> {
+        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = idle.iter().position(|(other, _)| **other == *launch)?;
+        Some(idle.swap_remove(found).1)
+    }
+
+    /// Takes a program back, unless it has failed.
+    pub fn give_back(&self, respondent: ExternalClient) {
+        if let Some(free) = respondent.into_session() {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).push(free);
+        }
+    }
+}
+
+impl Drop for Idle {
+    fn drop(&mut self) {
+        let idle = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
+        idle.into_iter().for_each(|(_, session)| session.end());
+    }
 }
 
 /// What came of a query.

@@ -3,8 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::external_client::{ExternalClient, Reply};
-use super::pool::Idle;
+use super::external_client::{ExternalClient, Idle, Reply};
 use super::process::ProcessError;
 use super::protocol::{FromProgram, question};
 use crate::policies::{Action, FirelineContext, Observation, Policy, QueryReport};

@@ -8,7 +8,7 @@ use std::time::Duration;
 use rand::Rng;
 use serde_json::Value;
 
-use super::external_client::{ExternalClient, ProgramSession};
+use super::external_client::{ExternalClient, Idle};
 use super::planner::ProgramPlanner;
 use super::policy::ProgramPolicy;
 use super::process::Launch;
@@ -30,32 +30,6 @@ const MAX_PROCESSES: usize = 16;
 
 /// Bits of a seed that a program gets: all whole numbers below 2^53 are f64.
 const SEED_BITS: u32 = 53;
-
-/// Programs that play in more than one run and are free at the moment.
-#[derive(Debug, Default)]
-pub struct Idle(Mutex<Vec<(Arc<Launch>, ProgramSession)>>);
-
-impl Idle {
-    fn take(&self, launch: &Launch) -> Option<ProgramSession> {
-        let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = idle.iter().position(|(other, _)| **other == *launch)?;
-        Some(idle.swap_remove(found).1)
-    }
-
-    /// Takes a program back, unless it has failed.
-    pub fn give_back(&self, respondent: ExternalClient) {
-        if let Some(free) = respondent.into_session() {
-            self.0.lock().unwrap_or_else(PoisonError::into_inner).push(free);
-        }
-    }
-}
-
-impl Drop for Idle {
-    fn drop(&mut self) {
-        let idle = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
-        idle.into_iter().for_each(|(_, session)| session.end());
-    }
-}
 
 /// The programs that may be started.
 #[derive(Clone, Debug, PartialEq, Eq)]

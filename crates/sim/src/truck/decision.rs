@@ -1,14 +1,12 @@
 //! A truck's decision: it asks its policy for a fire until it can set out for one, has to wait for other trucks, or has
 //! no option left.
 
-use std::time::Duration;
-
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use super::drive::{Blocked, DepartureContext};
-use super::{Drive, Fleet, Truck};
+use super::drive::DepartureContext;
+use super::{Blocked, DecisionState, Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
 use crate::policies::{Action, PolicyId, PolicyQuery, PolicyScope, PolicySet};
@@ -26,25 +24,6 @@ use wildfire_timeline::{AgentFact, RestReason};
 
 /// Of its options a truck that goes to the nearest by drive looks at this number of the nearest in a straight line.
 const MAX_GOALS: usize = 6;
-
-/// A decision in progress.
-#[derive(Clone, Debug)]
-pub struct DecisionState {
-    /// Of the agent that began it.
-    revision: u32,
-    /// What it was doing.
-    activity: Activity,
-    /// The drives that were blocked when it decided last; it has not moved since.
-    before: Vec<Blocked>,
-    /// The drives that are blocked at present, best first.
-    pub blocked: Vec<Blocked>,
-    /// Effort of plans that other trucks were in the way of.
-    spent: Effort,
-    /// What the agent's plans had cost before.
-    cpu: Duration,
-    /// The planning time of its team that delays its departure.
-    pub delay: SimTime,
-}
 
 /// The result of a choice.
 pub enum DecisionOutcome {

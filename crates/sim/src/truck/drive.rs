@@ -1,6 +1,6 @@
 //! How a truck gets to a goal: by its planner, by the reachability flood, or around the trucks that block it.
 
-use super::Truck;
+use super::{Blocked, Drive, Truck};
 use crate::recorder::Recorder;
 use crate::run::AgentCost;
 use crate::traffic::{Traffic, after_waiting};
@@ -14,45 +14,12 @@ use wildfire_planning::{
     replan_around,
 };
 use wildfire_scenario::TrafficPlan;
-use wildfire_timeline::AgentId;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.
 const BACKED_OUT_LEGS: usize = 8;
 
 /// Where a scenario has no rule of distance, the flood still drives this near to the fire: the contest's reach.
 const REACH_WITHOUT_RULE_M: f64 = 10.0;
-
-/// A planned drive without a departure time.
-#[derive(Clone, Debug)]
-pub struct Drive {
-    pub goal: Cell,
-    pub path: Path,
-    /// The metres of the path that lead back over the truck's tracks.
-    pub back_m: f64,
-    pub effort: Effort,
-    pub found_by: FoundBy,
-}
-
-impl Drive {
-    /// Returns true if the planner had failed on the goal and the drive comes from the reachability flood.
-    pub fn is_by_flood(&self) -> bool {
-        self.found_by.is_after_failure()
-    }
-}
-
-/// A drive that another truck blocks.
-#[derive(Clone, Debug)]
-pub struct Blocked {
-    pub drive: Drive,
-    pub by: AgentId,
-}
-
-impl Blocked {
-    /// Returns its goal, and the truck that blocks it.
-    pub fn reason(&self) -> (Cell, AgentId) {
-        (self.drive.goal, self.by)
-    }
-}
 
 /// The position and the field from which a truck plans.
 #[derive(Clone, Copy, Debug)]

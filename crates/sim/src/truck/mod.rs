@@ -9,47 +9,36 @@
 mod decision;
 mod drive;
 mod fleet;
+mod plugin;
 mod spawn;
 mod team;
 mod tracks;
 mod water;
 
 use std::sync::Arc;
+use std::time::Duration;
 
-use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
+use crate::agent::Activity;
 use crate::shared::Shared;
-use wildfire_base::geometry::Cell;
+use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{GroundSpeed, SpeedLimits, Trajectory};
 use wildfire_base::vehicle::{Dimensions, Path};
 use wildfire_planning::collision::CollisionChecker;
 use wildfire_planning::reachability::Reachability;
 use wildfire_planning::registry::Charge;
-use wildfire_planning::{Effort, TruckPlanner};
+use wildfire_planning::{Effort, FoundBy, TruckPlanner};
 use wildfire_scenario::TrafficRules;
-use wildfire_timeline::WaterRules;
+use wildfire_timeline::{AgentId, WaterRules};
 
-pub use drive::{Blocked, Drive};
 pub use fleet::Fleet;
+pub use plugin::TruckPlugin;
 pub use spawn::spawn;
 
-use super::schedule::{Pass, SimSystems};
-use decision::DecisionState;
-use team::UnreachableStaging;
 use tracks::Tracks;
-
-/// The plugin in which trucks drive and extinguish fires.
-#[derive(Debug)]
-pub struct TruckPlugin;
-
-impl Plugin for TruckPlugin {
-    fn build(&self, app: &mut App) {
-        let systems = (fleet::lose_goal, fleet::end_dwell, fleet::arrive, decision::decide);
-        app.add_systems(Pass, systems.chain().in_set(SimSystems::Truck));
-    }
-}
 
 /// A truck's rules, planners and knowledge.
 #[derive(Component, Clone)]
@@ -111,4 +100,64 @@ impl Truck {
         let seconds = roadmap_s * f64::from(effort.roadmap_expansions) + local_s * f64::from(effort.local_expansions);
         SimTime::from_seconds(seconds)
     }
+}
+
+/// A decision in progress.
+#[derive(Clone, Debug)]
+pub struct DecisionState {
+    /// Of the agent that began it.
+    revision: u32,
+    /// What it was doing.
+    activity: Activity,
+    /// The drives that were blocked when it decided last; it has not moved since.
+    before: Vec<Blocked>,
+    /// The drives that are blocked at present, best first.
+    pub blocked: Vec<Blocked>,
+    /// Effort of plans that other trucks were in the way of.
+    spent: Effort,
+    /// What the agent's plans had cost before.
+    cpu: Duration,
+    /// The planning time of its team that delays its departure.
+    pub delay: SimTime,
+}
+
+/// A planned drive without a departure time.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    pub goal: Cell,
+    pub path: Path,
+    /// The metres of the path that lead back over the truck's tracks.
+    pub back_m: f64,
+    pub effort: Effort,
+    pub found_by: FoundBy,
+}
+
+impl Drive {
+    /// Returns true if the planner had failed on the goal and the drive comes from the reachability flood.
+    pub fn is_by_flood(&self) -> bool {
+        self.found_by.is_after_failure()
+    }
+}
+
+/// A drive that another truck blocks.
+#[derive(Clone, Debug)]
+pub struct Blocked {
+    pub drive: Drive,
+    pub by: AgentId,
+}
+
+impl Blocked {
+    /// Returns its goal, and the truck that blocks it.
+    pub fn reason(&self) -> (Cell, AgentId) {
+        (self.drive.goal, self.by)
+    }
+}
+
+/// A place to which a truck found no path.
+#[derive(Clone, Copy, Debug)]
+pub struct UnreachableStaging {
+    from: Pose,
+    to: DVec2,
+    /// It is not tried again from there before this time.
+    until: SimTime,
 }

@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use super::decision::{DecisionOutcome, DecisionResources, Relocation};
 use super::drive::DepartureContext;
-use super::{Fleet, Truck};
+use super::{Fleet, Truck, UnreachableStaging};
 use crate::agent::{Activity, Agent};
 use crate::policies::dispatch::AS_GOOD_M;
 use crate::policies::{Action, PolicyId, PolicyQuery};
@@ -28,15 +28,6 @@ const STAGING_RADIUS_M: f64 = 10.0;
 
 /// How long a truck does not try again to set out for a place that others are in the way to.
 const PATIENCE: SimTime = SimTime::from_nanos(10_000_000_000);
-
-/// A place to which a truck found no path.
-#[derive(Clone, Copy, Debug)]
-pub struct UnreachableStaging {
-    from: Pose,
-    to: DVec2,
-    /// It is not tried again from there before this time.
-    until: SimTime,
-}
 
 impl Agent {
     /// Returns true if it is under way to a fire, or to a place where it is to wait.
