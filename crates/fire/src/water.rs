@@ -12,10 +12,19 @@ const FUEL_KJ_KG: f64 = 18_608.0;
 /// Kilojoules of a kilocalorie.
 pub const KJ_PER_KCAL: f64 = 4.184;
 
+/// Temperatures of the air and of the steam that water becomes, degrees Celsius.
+const AIR_C: f64 = 20.0;
+const STEAM_C: f64 = 100.0;
+
 /// Returns the heat that a kilogram of water takes up, kJ, from the temperature of the air to that of its steam, 100 degrees
 /// Celsius or more (equation 1).
 pub fn heat_kj_kg(air_c: f64, steam_c: f64) -> f64 {
     (100.0 - air_c + 540.0 + 0.46 * (steam_c - 100.0)) * KJ_PER_KCAL
+}
+
+/// Returns the intensity of the hottest front that a pump puts out, whose jet covers some metres of it at once.
+pub fn max_kw_m(pump_lps: f64, jet_m: f64) -> f64 {
+    pump_lps * heat_kj_kg(AIR_C, STEAM_C) / jet_m
 }
 
 /// Returns how deep the flame of a front is, metres: half the flame's length by Thomas (1963) (equation 2).

@@ -5,107 +5,67 @@
 //! simulated, with the place of the fault. [`Terrain::from_scenario`] gives the field of a run, [`explain()`] explains
 //! a scenario.
 //!
-//! Each kind of agent, and the rules of fire, have a file with everything that a scenario says about them; what it says
-//! about planners is beside the planners, in [`wildfire_planning::registry`].
+//! Each kind of agent, and the rules of fire, have a file in `keys` with everything that a scenario says about them; what it
+//! says about planners is beside the planners, in [`wildfire_planning::registry`]. `faults`, `site`, `keys`, `memory`, `read`
+//! and `explain` each use only those before it.
 //!
 //! Every default is the value of the built-in scenario `contest-1`. Lengths are metres, times seconds, in the world
 //! frame of [`wildfire_base::geometry`]. The format is described in `scenarios/README.md`.
 
-mod agents;
-mod alexandridis;
-mod built_in;
-mod change;
-mod check;
-mod contradictions;
-mod copies;
-mod difference;
-mod dispatch;
-mod error;
 mod explain;
-mod features;
-mod field;
-mod fire;
-mod fuel_image;
-mod fuel_name;
-mod geojson;
-mod goal;
-mod ground_report;
-mod ground_speed;
-mod imported;
-mod json_location;
-mod landscape;
-mod layers;
-mod learned;
-mod line;
-mod load;
+mod faults;
+mod keys;
 mod memory;
-mod network;
-mod path;
-mod problem;
-mod program;
-mod rothermel;
-mod rules;
-mod source;
-mod starts;
-mod terrain;
-mod tetromino;
-mod traffic;
-mod truck_starts;
-mod unimog;
-mod warnings;
-mod water;
-mod weather;
-mod weather_csv;
-mod weather_stream;
-mod wind;
-mod wording;
-mod wumpus;
+mod read;
+mod site;
 
-pub use agents::MemoryPart;
-pub use alexandridis::AlexandridisSettings;
-pub use built_in::BUILT_IN;
-pub use difference::{ValueDifference, value_differences};
-pub use dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
-pub use error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use explain::explain;
-pub use features::{Hill, Patches, River, Road, Runs};
-pub use field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
-pub use fire::{Fire, FireModelName, SpreadFrom};
-pub use fuel_name::FuelName;
-pub use goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
-pub use ground_speed::GroundKinds;
-pub use imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
-pub use landscape::LandscapeSettings;
-pub use layers::{ImportedLayers, LayerKind, LayerReader, Weights};
-pub use learned::{HIDDEN, Learned};
-pub use line::{Crew, LineHolds, LineSettings, ProtectedPlace};
-pub use load::{LoadedScenario, load};
+pub use explain::warnings::{doubts_of_files, warnings_of_map};
+pub use faults::error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
+pub use faults::path::{FieldPath, PathStep};
+pub use keys::agents::MemoryPart;
+pub use keys::alexandridis::AlexandridisSettings;
+pub use keys::dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
+pub use keys::field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
+pub use keys::fire::{Fire, FireModelName, SpreadFrom};
+pub use keys::goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
+pub use keys::ground_speed::GroundKinds;
+pub use keys::learned::{HIDDEN, Learned};
+pub use keys::line::{Crew, LineHolds, LineSettings, ProtectedPlace};
+pub use keys::network::Network;
+pub use keys::program::{MAX_MESSAGE_BYTES, Program, Programs, UsedProgram};
+pub use keys::rothermel::RothermelSettings;
+pub use keys::rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
+pub use keys::traffic::{Detours, TrafficPlan, TrafficRules};
+pub use keys::unimog::{FallbackMode, Limits, Retarget, StartPose, TruckPlannerContext, Unimog};
+pub use keys::water::{Water, WaterEffect, WaterPlace};
+pub use keys::wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusHeuristic, WumpusPlanner, WumpusPotential};
 pub use memory::{MemoryEstimate, MemoryExceeded, MemoryLimit, bytes_text};
-pub use network::Network;
-pub use path::{FieldPath, PathStep};
-pub use problem::{MAX_GOALS, Problem};
-pub use program::{MAX_MESSAGE_BYTES, Program, Programs, UsedProgram};
-pub use rothermel::RothermelSettings;
-pub use rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
-pub use source::{MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value};
-pub use terrain::{Terrain, TerrainError};
-pub use tetromino::Shape;
-pub use traffic::{Detours, TrafficPlan, TrafficRules};
-pub use truck_starts::{TRUCK_MARGIN_M, free_start};
-pub use unimog::{FallbackMode, Limits, Retarget, StartPose, TruckPlannerContext, Unimog};
-pub use warnings::{doubts_of_files, warnings_of_map};
-pub use water::{Water, WaterEffect, WaterPlace};
-pub use weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
-pub use weather_csv::WeatherSample;
-pub use wind::WindChange;
-pub use wumpus::{Escape, StepCost, StepTime, Wumpus, WumpusHeuristic, WumpusPlanner, WumpusPotential};
+pub use read::built_in::BUILT_IN;
+pub use read::difference::{ValueDifference, value_differences};
+pub use read::load::{LoadedScenario, load};
+pub use read::problem::{MAX_GOALS, Problem};
+pub use read::source::{
+    MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value,
+};
+pub use site::features::{Hill, Patches, River, Road, Runs};
+pub use site::fuel_name::FuelName;
+pub use site::imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
+pub use site::landscape::LandscapeSettings;
+pub use site::layers::{ImportedLayers, LayerKind, LayerReader, Weights};
+pub use site::terrain::{Terrain, TerrainError};
+pub use site::tetromino::Shape;
+pub use site::truck_starts::{TRUCK_MARGIN_M, free_start};
+pub use site::weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
+pub use site::weather_csv::WeatherSample;
+pub use site::wind::WindChange;
 
 use std::path::PathBuf;
 
-use agents::AgentList;
-use check::{Check, TablePath, check_name};
-use program::check_programs;
-use rules::check_ignitions;
+use faults::check::{Check, TablePath, check_name};
+use keys::agents::AgentList;
+use keys::program::check_programs;
+use keys::rules::check_ignitions;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -136,7 +96,7 @@ pub fn schema() -> schemars::Schema {
              others at random places, the same in every run."),
             "type": "integer",
             "minimum": 0,
-            "maximum": copies::MAX_COPIES,
+            "maximum": read::copies::MAX_COPIES,
             "default": 1,
         });
         let properties = schema.pointer_mut(&format!("/$defs/{kind}/properties"));

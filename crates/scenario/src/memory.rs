@@ -10,8 +10,8 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
-use super::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Unimog};
+use crate::keys::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
+use crate::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Unimog};
 use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::memory::{MemoryKind, MemoryMeter};
 use wildfire_planning::registry::{RoadmapSize, TruckPlannerSettings};

@@ -5,13 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use wildfire_base::geometry::DVec2;
 use wildfire_base::time::SimTime;
-use wildfire_fire::water::{fuel_kg_m2, heat_kj_kg, litres_per_m};
+use wildfire_fire::water::{fuel_kg_m2, litres_per_m, max_kw_m};
 
 use super::burn_map::Front;
-
-/// Temperatures of the air and of the steam that water becomes, degrees Celsius.
-const AIR_C: f64 = 20.0;
-const STEAM_C: f64 = 100.0;
 
 /// The rules of water, equal for all trucks.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +51,7 @@ impl WaterEnergy {
 
     /// Returns the intensity of the hottest front that the pump puts out.
     pub fn max_kw_m(&self) -> f64 {
-        self.pump_lps * heat_kj_kg(AIR_C, STEAM_C) / self.jet_m
+        max_kw_m(self.pump_lps, self.jet_m)
     }
 
     /// Returns the portions that some litres are, at least one.

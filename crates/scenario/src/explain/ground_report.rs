@@ -1,9 +1,9 @@
 //! The ground and the weather of a scenario in sentences, for `wildfire check`: what grows, how steep it is, how fast it
 //! would burn, and what looks odd.
 
-use super::field::percent;
-use super::weather::{DeadMoisture, describe_wind, thousandths};
-use super::{FireModelName, LandscapeSettings, Scenario, Terrain};
+use crate::keys::field::percent;
+use crate::site::weather::{DeadMoisture, describe_wind, thousandths};
+use crate::{FireModelName, LandscapeSettings, Scenario, Terrain};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::surface::{

@@ -1,16 +1,19 @@
 //! Explains a scenario by its values and its schema, for `wildfire check`.
 
+pub mod ground_report;
+pub mod warnings;
+
 use serde_json::Value as Json;
 
-use super::agents::{AgentList, SHOWN_SEED};
-use super::field::percent;
-use super::ground_report::{describe_fires, describe_ground, describe_weather};
-use super::landscape::is_bare;
-use super::load::LoadedScenario;
-use super::path::{FieldPath, PathStep};
-use super::rules::describe_ignitions;
-use super::warnings::warnings;
-use super::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, schema, weather};
+use crate::faults::path::{FieldPath, PathStep};
+use crate::keys::agents::{AgentList, SHOWN_SEED};
+use crate::keys::field::percent;
+use crate::keys::rules::describe_ignitions;
+use crate::read::load::LoadedScenario;
+use crate::site::landscape::is_bare;
+use crate::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, schema, weather};
+use ground_report::{describe_fires, describe_ground, describe_weather};
+use warnings::warnings;
 use wildfire_base::document::{Block, Document, WIDTH};
 use wildfire_base::geometry::Cell;
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
-use super::dispatch::warn_of_team;
 use super::ground_report::warn_of_ground;
-use super::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
+use crate::keys::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
+use crate::keys::dispatch::warn_of_team;
+use crate::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use wildfire_base::geometry::Cell;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::collision::ClearanceField;
@@ -171,7 +171,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::agents::SHOWN_ALIKE;
+    use crate::keys::agents::SHOWN_ALIKE;
     use crate::{ImportedField, ImportedLayers, StartPose, load};
 
     fn warned(source: &str, changes: &[&str]) -> String {

@@ -8,7 +8,7 @@ use std::ops::Range;
 use annotate_snippets::{Annotation, AnnotationKind, Snippet};
 use thiserror::Error;
 
-use super::built_in::BUILT_IN;
+use crate::BUILT_IN;
 use wildfire_base::untrusted::visible;
 
 /// Bytes of a line that may be shown from a fault on: a scenario may be one line of megabytes.
@@ -100,16 +100,16 @@ pub struct SourceLocation {
 }
 
 impl Fault {
-    pub(super) fn nowhere(self) -> Box<ScenarioError> {
+    pub(crate) fn nowhere(self) -> Box<ScenarioError> {
         Box::new(ScenarioError { fault: self, location: None })
     }
 
-    pub(super) fn at(self, location: SourceLocation) -> Box<ScenarioError> {
+    pub(crate) fn at(self, location: SourceLocation) -> Box<ScenarioError> {
         Box::new(ScenarioError { fault: self, location: Some(location) })
     }
 
     /// Names the values of a list's only entry without its number: `unimog.planner` instead of `unimog.0.planner`.
-    pub(super) fn without_number_in(mut self, list: &str) -> Self {
+    pub(crate) fn without_number_in(mut self, list: &str) -> Self {
         let numbered = format!("{list}.0");
         let shorten = |path: &mut String| {
             let rest = path.strip_prefix(&numbered).filter(|rest| rest.is_empty() || rest.starts_with('.'));
@@ -157,7 +157,7 @@ impl Fault {
 
 impl SourceLocation {
     /// Locates a span of bytes in a named text; a span beyond its end is cut off.
-    pub(super) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
+    pub(crate) fn new(name: &str, text: &str, span: Range<usize>) -> Self {
         let start = text.floor_char_boundary(span.start);
         let end = text.floor_char_boundary(span.end).max(start);
         Self { name: visible(name).into_owned(), text: text.to_owned(), span: start..end }

@@ -1,8 +1,21 @@
 //! Messages of the TOML reader in the words of a scenario's author.
 
 use super::error::{Fault, nearest_name};
-use super::load::LOADED;
 use super::path::{FieldPath, PathStep};
+
+/// Values that only loading fills in: no file may have them.
+pub const LOADED: [&str; 10] = [
+    "field.given",
+    "field.raster_frame",
+    "landscape.given",
+    "landscape.given_roads",
+    "weather.rows",
+    "ignition.*.weights",
+    "planner.*.sha256",
+    "planner.*.works_in",
+    "policy.*.sha256",
+    "policy.*.works_in",
+];
 
 /// The most characters of a text that a message quotes.
 const LONGEST_QUOTE: usize = 60;

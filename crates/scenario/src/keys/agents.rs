@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::check::Check;
-use super::{Scenario, Terrain};
+use crate::faults::check::Check;
+use crate::{Scenario, Terrain};
 use wildfire_base::geometry::{DVec2, FieldFrame};
 use wildfire_planning::collision::ClearanceField;
 
@@ -97,7 +97,7 @@ pub struct MemoryPart {
 }
 
 impl MemoryPart {
-    pub(super) fn new(name: impl Into<String>, bytes: u64) -> Self {
+    pub(crate) fn new(name: impl Into<String>, bytes: u64) -> Self {
         Self { name: name.into(), bytes }
     }
 }

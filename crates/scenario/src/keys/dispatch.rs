@@ -5,8 +5,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
 use super::learned::warn_of_weights;
+use crate::Scenario;
 use wildfire_base::ranges;
 
 /// The most rollouts of one decision: some seconds of CPU time.
@@ -165,7 +165,7 @@ pub enum SightOfField {
 ranges! { Sight { radius_m: 0.0..=1e6, report_s: 0.0..=1e6 } }
 
 /// Warns of values that do nothing.
-pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
+pub(crate) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
     warn_of_weights(scenario, found);
     let Some(dispatch) = &scenario.dispatch else {
         if scenario.sight.is_some() {
@@ -186,7 +186,7 @@ pub(super) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
         ));
     }
     let keeps = dispatch.policy != DispatchPolicy::Nearest;
-    if keeps && scenario.unimog.iter().any(|truck| truck.retarget != super::Retarget::Never) {
+    if keeps && scenario.unimog.iter().any(|truck| truck.retarget != crate::Retarget::Never) {
         found.push(format!(
             "`unimog.retarget` has no effect: the policy `{}` decides when trucks change their goals.",
             dispatch.policy

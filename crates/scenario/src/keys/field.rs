@@ -8,9 +8,9 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::check::{Check, TablePath};
-use super::imported::{ImportedField, MAX_CELLS_A_SIDE};
-use super::tetromino::Shape;
+use crate::faults::check::{Check, TablePath};
+use crate::site::imported::{ImportedField, MAX_CELLS_A_SIDE};
+use crate::site::tetromino::Shape;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
@@ -159,7 +159,7 @@ impl Field {
     }
 
     /// Returns how the map is read.
-    pub(super) fn reading(&self) -> Reading {
+    pub(crate) fn reading(&self) -> Reading {
         let tolerance = self.map_tolerance.map_or_else(Tolerance::default, |MapTolerance(tolerance)| tolerance);
         Reading { tolerance, inverted: self.map_invert }
     }
@@ -174,7 +174,7 @@ impl Field {
 }
 
 impl Field {
-    pub(super) fn check(&self, table: &TablePath) -> Check {
+    pub(crate) fn check(&self, table: &TablePath) -> Check {
         table.settings(self, &self.frame())?;
         if self.imported.is_some() {
             return Ok(());
@@ -205,7 +205,7 @@ impl Field {
         Ok(())
     }
 
-    pub(super) fn describe(&self) -> String {
+    pub(crate) fn describe(&self) -> String {
         let frame = self.frame();
         let size = format!(
             "{} x {} m, {} x {} cells of {} m.",
@@ -225,7 +225,7 @@ impl Field {
 ranges! { Field { cell_m: 0.01..=1000.0, start_clearance_m: 0.0..=1e6 } }
 
 /// Converts a share to percent, rounded to hundredths.
-pub(super) fn percent(share: f64) -> f64 {
+pub(crate) fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 100.0
 }
 

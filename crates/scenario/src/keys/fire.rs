@@ -95,7 +95,7 @@ pub enum SpreadFrom {
 
 impl Fire {
     /// Gives the model that is chosen its settings where the scenario says nothing of them.
-    pub(super) fn fill_in_model(&mut self) {
+    pub(crate) fn fill_in_model(&mut self) {
         match self.model {
             FireModelName::Radius => {}
             FireModelName::Rothermel => {
@@ -126,12 +126,12 @@ impl Fire {
     }
 
     /// Returns the settings of the model `rothermel`, if that is chosen; ground and slope hold for other models too.
-    pub(super) fn rothermel(&self) -> Option<&RothermelSettings> {
+    pub(crate) fn rothermel(&self) -> Option<&RothermelSettings> {
         if self.model == FireModelName::Rothermel { self.rothermel.as_ref() } else { None }
     }
 
     /// Returns the trees and the fire in their crowns, in the model `rothermel`.
-    pub(super) fn crowns(&self) -> Option<&CrownSettings> {
+    pub(crate) fn crowns(&self) -> Option<&CrownSettings> {
         self.crowns.as_ref().filter(|_| self.model == FireModelName::Rothermel)
     }
 
@@ -187,7 +187,7 @@ impl Fire {
     }
 
     /// Names the settings that the chosen model does not use.
-    pub(super) fn unused(&self) -> &'static [&'static str] {
+    pub(crate) fn unused(&self) -> &'static [&'static str] {
         match self.model {
             FireModelName::Radius => &["rothermel", "alexandridis", "embers", "crowns"],
             FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "alexandridis"],
@@ -196,7 +196,7 @@ impl Fire {
     }
 
     /// Adds warnings about rules by which no fire spreads.
-    pub(super) fn warn(&self, frame: &FieldFrame, found: &mut Vec<String>) {
+    pub(crate) fn warn(&self, frame: &FieldFrame, found: &mut Vec<String>) {
         if self.embers.is_some() && self.model != FireModelName::Rothermel {
             found.push("`[fire.embers]` has no effect: only the model `rothermel` has embers.".to_owned());
         }

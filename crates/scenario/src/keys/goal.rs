@@ -8,8 +8,8 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::check::{Check, TablePath};
 use super::program::Programs;
+use crate::faults::check::{Check, TablePath};
 use wildfire_planning::PlannerName;
 
 macro_rules! goals {
@@ -41,7 +41,7 @@ macro_rules! goals {
             }
 
             /// Refuses the name of a policy that has no table.
-            pub(super) fn check(&self, table: &TablePath, key: &str, policies: &Programs) -> Check {
+            pub(crate) fn check(&self, table: &TablePath, key: &str, policies: &Programs) -> Check {
                 let Self::Policy(name) = self else { return Ok(()) };
                 if policies.contains_key(name) {
                     return Ok(());

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::check::{Check, TablePath};
-use super::{Terrain, Unimog};
+use crate::faults::check::{Check, TablePath};
+use crate::{Terrain, Unimog};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::trajectory::GroundSpeed;
 use wildfire_fire::fuel::FuelModel;
@@ -18,7 +18,7 @@ const MIN_SHARE: f64 = 0.01;
 /// Shares of a truck's speed by the code of a fuel, or for all other ground.
 pub type SpeedByGround = BTreeMap<String, f64>;
 
-pub(super) fn check(table: &TablePath, shares: &SpeedByGround) -> Check {
+pub(crate) fn check(table: &TablePath, shares: &SpeedByGround) -> Check {
     let table = table.inner("speed_by_ground");
     shares.iter().try_for_each(|(name, &share)| {
         if name != OTHER && FuelModel::by_name(name).is_none() {

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
-use super::check::{Check, TablePath};
 use super::network::Network;
+use crate::Scenario;
+use crate::faults::check::{Check, TablePath};
 use wildfire_base::input_file::list_of_at_most;
 
 /// The number of hidden units of each network.
@@ -43,7 +43,7 @@ impl Learned {
         "fires per truck / 10",
     ];
 
-    pub(super) fn check(&self, table: &TablePath) -> Check {
+    pub(crate) fn check(&self, table: &TablePath) -> Check {
         for (key, weights, inputs) in
             [("posts", &self.posts, Self::STAGING_INPUTS.len()), ("lights", &self.lights, Self::LIGHT_INPUTS.len())]
         {
@@ -60,12 +60,12 @@ impl Learned {
 }
 
 /// Warns of weights that no policy uses.
-pub(super) fn warn_of_weights(scenario: &Scenario, found: &mut Vec<String>) {
+pub(crate) fn warn_of_weights(scenario: &Scenario, found: &mut Vec<String>) {
     let Some(learned) = &scenario.learned else { return };
     let dispatch = scenario.dispatch.as_ref();
     let is_used = [
-        dispatch.is_some_and(|dispatch| dispatch.idle == super::IdleRule::Learned),
-        scenario.wumpus.iter().any(|wumpus| wumpus.goal == super::WumpusGoal::Learned),
+        dispatch.is_some_and(|dispatch| dispatch.idle == crate::IdleRule::Learned),
+        scenario.wumpus.iter().any(|wumpus| wumpus.goal == crate::WumpusGoal::Learned),
     ];
     let lists = [("posts", &learned.posts), ("lights", &learned.lights)];
     for ((key, weights), is_used) in lists.into_iter().zip(is_used) {

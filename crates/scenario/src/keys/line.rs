@@ -5,16 +5,14 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Check, TablePath};
-use super::{FireModelName, LinePolicy, MAX_AGENTS, Scenario};
+use crate::faults::check::{Check, TablePath};
+use crate::{FireModelName, LinePolicy, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
-use wildfire_base::time::SimTime;
 use wildfire_fire::contain::Tactic;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::PlannerName;
-use wildfire_timeline::{CrewRules, LineRules};
 
 /// The most places to protect.
 const MAX_PLACES: usize = 100;
@@ -113,7 +111,7 @@ impl Crew {
 }
 
 impl Scenario {
-    pub(super) fn check_crews(&self, frame: &FieldFrame) -> Check {
+    pub(crate) fn check_crews(&self, frame: &FieldFrame) -> Check {
         let top = TablePath::named("");
         let table = TablePath::named("line");
         if let Some(line) = &self.line {
@@ -149,17 +147,5 @@ impl Scenario {
             LinePolicy::Policy(name) => Some(name),
             _ => None,
         }
-    }
-
-    /// Returns what bounds the work of crews in a run, if there are any.
-    pub fn line_rules(&self) -> Option<LineRules> {
-        let crews = self.crew.iter().map(|crew| CrewRules {
-            at_ns: SimTime::from_seconds(crew.at_s).as_nanos(),
-            start_m: [crew.x_m, crew.y_m],
-            walking_mps: crew.speed_mps,
-            rate_mps: crew.max_mps(),
-        });
-        let can_be_lost = self.line.as_ref().is_some_and(|line| line.holds == LineHolds::Flame);
-        (!self.crew.is_empty()).then(|| LineRules { crews: crews.collect(), can_be_lost })
     }
 }

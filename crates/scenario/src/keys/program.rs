@@ -14,14 +14,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 
-use super::Scenario;
-use super::check::{Check, TablePath};
-use super::path::PathStep;
+use crate::Scenario;
+use crate::faults::check::{Check, TablePath};
+use crate::faults::path::PathStep;
 use wildfire_base::input_file::{self, list_of_at_most};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
-#[cfg(unix)]
+#[cfg(feature = "modules")]
 use wildfire_module::Limits;
 use wildfire_planning::PlannerName;
 use wildfire_planning::registry::Charge;
@@ -37,7 +37,7 @@ const QUERY_INSTRUCTIONS: u64 = 1_000_000_000;
 const START_INSTRUCTIONS: u64 = 10_000_000_000;
 
 /// The largest memory of a module.
-#[cfg(unix)]
+#[cfg(feature = "modules")]
 const MAX_MODULE_MB: u32 = 256;
 
 /// The most bytes of a message to or from a program or module, its line end included.
@@ -165,7 +165,7 @@ impl Program {
     }
 
     /// Returns what a module may take.
-    #[cfg(unix)]
+    #[cfg(feature = "modules")]
     pub fn module_limits(&self) -> Limits {
         Limits { memory: self.memory_limit_mb.min(MAX_MODULE_MB) as usize * 1_000_000, answer: MAX_MESSAGE_BYTES }
     }
@@ -179,7 +179,7 @@ impl Program {
     ///
     /// # Errors
     /// If one of [`Self::files`] or the module cannot be read, or the module is none.
-    pub(super) fn fill_in(&mut self, folder: &Path) -> Result<(), UnusableFile> {
+    pub(crate) fn fill_in(&mut self, folder: &Path) -> Result<(), UnusableFile> {
         self.works_in = self.folder.as_ref().map_or_else(|| folder.to_owned(), |subfolder| folder.join(subfolder));
         self.sha256 = self.hashes()?;
         Ok(())
@@ -194,7 +194,7 @@ impl Program {
         if let Some(module) = &self.module {
             let unusable = |reason| UnusableFile { place: vec![PathStep::key("module")], file: module.clone(), reason };
             let bytes = self.read_module(module).map_err(|error| unusable(Unusable::Unreadable(error)))?;
-            #[cfg(unix)]
+            #[cfg(feature = "modules")]
             wildfire_module::check(&bytes, self.module_limits())
                 .map_err(|message| unusable(Unusable::Module(message)))?;
             hashes.insert(module.display().to_string(), hexadecimal(&Sha256::digest(&bytes)));
@@ -234,7 +234,7 @@ impl Program {
     }
 
     /// Describes it in a sentence; `kind` is planner or policy.
-    pub(super) fn describe(&self, kind: &str, name: &PlannerName) -> String {
+    pub(crate) fn describe(&self, kind: &str, name: &PlannerName) -> String {
         if let Some(module) = &self.module {
             format!(
                 "The {kind} `{name}` is the WebAssembly module {}; a query may run {} instructions.",
@@ -275,7 +275,7 @@ fn hexadecimal(bytes: &[u8]) -> String {
 
 /// A file of a table that cannot be used.
 #[derive(Debug)]
-pub(super) struct UnusableFile {
+pub(crate) struct UnusableFile {
     /// Where the table names it.
     pub place: Vec<PathStep>,
     pub file: PathBuf,
@@ -284,10 +284,10 @@ pub(super) struct UnusableFile {
 
 /// Why a file cannot be used.
 #[derive(Debug)]
-pub(super) enum Unusable {
+pub(crate) enum Unusable {
     Unreadable(io::Error),
     /// It is no module that could run; reads well after its name.
-    #[cfg(unix)]
+    #[cfg(feature = "modules")]
     Module(String),
 }
 
@@ -316,7 +316,7 @@ impl Scenario {
     }
 
     /// Says whether an agent follows the policy of this name, or crews do.
-    pub(super) fn has_follower(&self, policy: &PlannerName) -> bool {
+    pub(crate) fn has_follower(&self, policy: &PlannerName) -> bool {
         let trucks = self.unimog.iter().any(|truck| truck.goal.name() == policy.name());
         let crews = self.custom_line_policy().is_some_and(|custom| custom == policy);
         crews || trucks || self.wumpus.iter().any(|wumpus| wumpus.goal.name() == policy.name())
@@ -345,7 +345,7 @@ ranges! { Program {
 } }
 
 /// Checks the tables of one kind, `planner` or `policy`, some of whose names are taken.
-pub(super) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl Fn(&PlannerName) -> bool) -> Check {
+pub(crate) fn check_programs(kind: &str, programs: &Programs, is_built_in: impl Fn(&PlannerName) -> bool) -> Check {
     let all = TablePath::named(kind);
     TablePath::named("").count(kind, programs.len(), MAX_PROGRAMS)?;
     for (name, program) in programs {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::fuel_name::FuelName;
+use crate::site::fuel_name::FuelName;
 use wildfire_base::ranges;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};

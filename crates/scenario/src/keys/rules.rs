@@ -7,9 +7,9 @@ use rand::RngExt;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 
-use super::check::{Check, TablePath};
-use super::layers::Weights;
-use super::path::PathStep;
+use crate::faults::check::{Check, TablePath};
+use crate::faults::path::PathStep;
+use crate::site::layers::Weights;
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
@@ -172,7 +172,7 @@ impl From<Ignition> for IgnitionEntry {
 }
 
 /// Checks all entries of `[[ignition]]`.
-pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
+pub(crate) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Check {
     let top = TablePath::named("");
     top.count("ignition", ignitions.len(), MAX_IGNITIONS)?;
     let mut named = 0;
@@ -209,7 +209,7 @@ pub(super) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
 }
 
 /// Sums up all entries of `[[ignition]]`; there is one at least.
-pub(super) fn describe_ignitions(ignitions: &[Ignition]) -> String {
+pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let mut random = 0_u64;
     let mut named = 0;
     let mut drawn = 0_u64;

@@ -14,12 +14,12 @@ use serde_json::Value;
 use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
-use super::check::{Check, TablePath};
 use super::goal::TruckGoal;
 use super::ground_speed::{self, GroundKinds, SpeedByGround};
 use super::program::{Program, Programs};
-use super::truck_starts::first_without_place;
-use super::{MemoryPart, Scenario};
+use crate::faults::check::{Check, TablePath};
+use crate::site::truck_starts::first_without_place;
+use crate::{MemoryPart, Scenario};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::or_none;
 use wildfire_base::ranges;

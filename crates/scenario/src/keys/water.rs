@@ -6,16 +6,16 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::agents::ScenarioField;
-use super::check::{Check, TablePath};
-use super::{FireModelName, Scenario, Unimog};
+use crate::faults::check::{Check, TablePath};
+use crate::{FireModelName, Scenario, Unimog};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::ranges::{OutOfRange, number_text};
 use wildfire_base::time::SimTime;
 use wildfire_base::vehicle::Dimensions;
+use wildfire_fire::water::max_kw_m;
 use wildfire_planning::collision::CollisionChecker;
-use wildfire_timeline::WaterEnergy;
 
 /// The most places with water.
 const MAX_PLACES: usize = 1000;
@@ -88,7 +88,7 @@ pub struct WaterPlace {
 }
 
 impl Water {
-    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame, model: FireModelName) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame, model: FireModelName) -> Check {
         if self.effect == WaterEffect::Energy && model != FireModelName::Rothermel {
             let expected = "`rule`, or the model `rothermel`, as other fires have no heat".into();
             return table.refuse("effect", "energy".into(), expected);
@@ -111,12 +111,6 @@ impl Water {
         SimTime::from_seconds(self.stop_l / self.fill_lps)
     }
 
-    /// Returns what pumps give against the heat of fire, if that matters.
-    pub fn energy(&self) -> Option<WaterEnergy> {
-        let &Self { effect, stop_l, pump_lps, jet_m, applied, .. } = self;
-        (effect == WaterEffect::Energy).then_some(WaterEnergy { portion_l: stop_l, pump_lps, jet_m, applied })
-    }
-
     /// Lists where there is water, in metres in the frame of the field.
     pub fn places(&self, scenario: &Scenario) -> Vec<DVec2> {
         if self.place.is_empty() {
@@ -125,12 +119,14 @@ impl Water {
         self.place.iter().map(|place| DVec2::new(place.x_m, place.y_m)).collect()
     }
 
-    pub(super) fn describe(&self) -> String {
+    pub(crate) fn describe(&self) -> String {
         let fill_s = self.fill_per_stop().as_seconds() * f64::from(self.full_tank());
         let tank =
             format!("A full tank is enough for {} stops; an empty one is filled in {fill_s} s.", self.full_tank());
-        let Some(energy) = self.energy() else { return tank };
-        let max_kw_m = energy.max_kw_m();
+        if self.effect != WaterEffect::Energy {
+            return tank;
+        }
+        let max_kw_m = max_kw_m(self.pump_lps, self.jet_m);
         let tank = tank.replace("stops", "portions");
         format!(
             "{tank} Stops take as many as the heat of the fire demands; fronts above {max_kw_m:.0} kW/m are too hot."
@@ -138,7 +134,7 @@ impl Water {
     }
 
     /// Warns of places that no truck gets near enough to.
-    pub(super) fn warn(&self, scenario: &Scenario, field: Option<&ScenarioField<'_>>, found: &mut Vec<String>) {
+    pub(crate) fn warn(&self, scenario: &Scenario, field: Option<&ScenarioField<'_>>, found: &mut Vec<String>) {
         let Some(truck) = scenario.unimog.first() else {
             found.push("The table `water` has no effect: there are no trucks.".into());
             return;

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::agents::{
     AgentList, AgentsMemory, BlockedStarts, FieldMeasures, SHOWN_ALIKE, SHOWN_SEED, ScenarioField, SketchedStart,
 };
-use super::check::{Check, TablePath};
 use super::goal::WumpusGoal;
-use super::{MemoryPart, Scenario, Terrain};
+use crate::faults::check::{Check, TablePath};
+use crate::{MemoryPart, Scenario, Terrain};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::or_none;
 use wildfire_base::ranges;

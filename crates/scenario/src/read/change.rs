@@ -2,16 +2,16 @@
 
 use toml::{Table, Value};
 
-use super::error::{Fault, ScenarioError, SourceLocation};
-use super::path::{FieldPath, PathStep};
 use super::source::toml_value;
-use super::wording::KeyOrValue;
+use crate::faults::error::{Fault, ScenarioError, SourceLocation};
+use crate::faults::path::{FieldPath, PathStep};
+use crate::faults::wording::KeyOrValue;
 
 /// The most steps of a path; no value of a scenario lies as deep.
 const MAX_STEPS: usize = 8;
 
 /// Changes that were made, in their order.
-pub(super) struct SettingChanges(Vec<SettingChange>);
+pub(crate) struct SettingChanges(Vec<SettingChange>);
 
 impl SettingChanges {
     /// Makes changes, `path=value`, to what a file says.

@@ -3,12 +3,12 @@
 use toml::Value;
 
 use super::change::SettingChanges;
-use super::error::Fault;
-use super::path::FieldPath;
+use crate::faults::error::Fault;
+use crate::faults::path::FieldPath;
 use wildfire_planning::registry::ALTERNATIVES;
 
 /// Options of `[field]` that say how to generate one.
-pub(super) const GENERATED_ONLY: [&str; 6] =
+pub(crate) const GENERATED_ONLY: [&str; 6] =
     ["field.size_m", "field.coverage", "field.pieces", "field.shapes", "field.overlaps", "field.start_clearance_m"];
 
 const ELEVATION: &str = "fire.rothermel.elevation";
@@ -105,7 +105,7 @@ fn found_in(written: &Value) -> Vec<Contradiction> {
 }
 
 /// Removes the values of a file that a change of another value contradicts.
-pub(super) fn drop_overruled(written: &mut Value, changes: &SettingChanges) {
+pub(crate) fn drop_overruled(written: &mut Value, changes: &SettingChanges) {
     for Contradiction { one, other, is_mutual, .. } in found_in(written) {
         match (changes.touch(&one), changes.touch(&other)) {
             (true, false) if is_mutual => other.remove_from(written),
@@ -116,7 +116,7 @@ pub(super) fn drop_overruled(written: &mut Value, changes: &SettingChanges) {
 }
 
 /// Returns the first contradiction that is written, or value without the one that it needs, with its path.
-pub(super) fn first(written: &Value) -> Option<(FieldPath, Fault)> {
+pub(crate) fn first(written: &Value) -> Option<(FieldPath, Fault)> {
     if let Some(Contradiction { one, other, reason, .. }) = found_in(written).into_iter().next() {
         let fault = Fault::Conflict { one: one.to_string(), other: other.to_string(), reason };
         return Some((one, fault));

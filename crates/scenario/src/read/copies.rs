@@ -9,19 +9,19 @@
 use rand::{Rng, RngExt};
 use toml::Value;
 
-use super::agents::SHOWN_SEED;
-use super::check::{Check, TablePath, ValidationError};
-use super::path::{FieldPath, PathStep};
-use super::wording::shortened;
-use super::{Scenario, StartPose, Terrain, Unimog, Wumpus};
+use crate::faults::check::{Check, TablePath, ValidationError};
+use crate::faults::path::{FieldPath, PathStep};
+use crate::faults::wording::shortened;
+use crate::keys::agents::SHOWN_SEED;
+use crate::{Scenario, StartPose, Terrain, Unimog, Wumpus};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire_base::rng;
 
 /// The kinds of agents that may be given by number.
-pub(super) const KINDS: [&str; 2] = ["wumpus", "unimog"];
+pub(crate) const KINDS: [&str; 2] = ["wumpus", "unimog"];
 
 /// The most agents of a kind that entries ask for together.
-pub(super) const MAX_COPIES: usize = 1000;
+pub(crate) const MAX_COPIES: usize = 1000;
 
 /// Places that are drawn for a start, of which the best is taken.
 const CANDIDATES: usize = 12;
@@ -37,7 +37,7 @@ const SEED: u64 = 0;
 
 /// The entries that the agents of each kind are written in, by the agents' numbers; in the order of [`KINDS`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct AgentExpansion([Vec<usize>; 2]);
+pub(crate) struct AgentExpansion([Vec<usize>; 2]);
 
 impl AgentExpansion {
     /// Takes the `count` out of all entries and repeats them as often.
@@ -234,9 +234,8 @@ fn best_candidate<A: Placed>(agent: &A, field: &OpenField, taken: &[(DVec2, f64)
 
 #[cfg(test)]
 mod tests {
-    use super::super::{LoadedScenario, load};
     use super::*;
-    use crate::explain;
+    use crate::{LoadedScenario, explain, load};
 
     fn loaded(source: &str, changes: &[&str]) -> Scenario {
         let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
@@ -338,7 +337,7 @@ mod tests {
     fn agents_of_an_entry_are_described_once() {
         let changes = ["unimog.count=30".to_owned(), "wumpus.count=3".to_owned(), "field.size_m=500".to_owned()];
         let loaded = LoadedScenario::open("smoke", &changes).expect("it loads");
-        let text = explain(&loaded, super::super::MemoryLimit::default()).to_text();
+        let text = explain(&loaded, crate::MemoryLimit::default()).to_text();
         let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains("1 to 29: like 0, at random places from the stream `starts/unimog/0`."), "{text}");
         assert_eq!(text.matches("turning_radius_m=").count(), 1, "{text}");

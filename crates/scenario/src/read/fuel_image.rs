@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::fuel_name::FuelName;
-use super::imported::MAX_CELLS_A_SIDE;
-use super::landscape::colour_of;
-use super::layers::ImportedLayers;
+use crate::site::fuel_name::FuelName;
+use crate::site::imported::MAX_CELLS_A_SIDE;
+use crate::site::landscape::colour_of;
+use crate::site::layers::ImportedLayers;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_grid::map_files::read_colours;
 
 /// The fuels of an image, row 0 at the south edge.
-pub(super) struct FuelImage {
+pub(crate) struct FuelImage {
     name: String,
     cols: u16,
     rows: u16,

@@ -5,22 +5,22 @@ use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 use super::change::SettingChanges;
-use super::check::{TablePath, ValidationError};
 use super::contradictions::{self, GENERATED_ONLY};
 use super::copies::AgentExpansion;
-use super::error::{Fault, ScenarioError, SourceLocation};
 use super::fuel_image::FuelImage;
-use super::geojson;
-use super::imported::json_fault;
-use super::layers::{LayerKind, LayerReader, PackedLayer, Weights};
-use super::path::{FieldPath, FoundSpan, PathStep};
-use super::program::{Unusable, UnusableFile};
 use super::source::{MAX_MAP_BYTES, ScenarioText, first_too_deep, too_deep_message, unreadable};
 use super::starts::Starting;
-use super::weather_csv::{read_samples, read_wind};
 use super::weather_stream::read_stream;
-use super::wording::{self, KeyOrValue};
-use super::{Field, IgnitionCells, ImportedField, Scenario};
+use crate::faults::check::{TablePath, ValidationError};
+use crate::faults::error::{Fault, ScenarioError, SourceLocation};
+use crate::faults::path::{FieldPath, FoundSpan, PathStep};
+use crate::faults::wording::{self, KeyOrValue, LOADED};
+use crate::keys::program::{Unusable, UnusableFile};
+use crate::site::geojson;
+use crate::site::imported::json_fault;
+use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
+use crate::site::weather_csv::{read_samples, read_wind};
+use crate::{Field, IgnitionCells, ImportedField, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file;
 use wildfire_fire::surface::FuelMoisture;
@@ -28,26 +28,12 @@ use wildfire_grid::map_files;
 use wildfire_grid::map_files::raster::MAX_RASTER_CELLS;
 use wildfire_planning::PlannerName;
 
-/// Values that only loading fills in: no file may have them.
-pub(super) const LOADED: [&str; 10] = [
-    "field.given",
-    "field.raster_frame",
-    "landscape.given",
-    "landscape.given_roads",
-    "weather.rows",
-    "ignition.*.weights",
-    "planner.*.sha256",
-    "planner.*.works_in",
-    "policy.*.sha256",
-    "policy.*.works_in",
-];
-
 /// A scenario, with what its author wrote, so that defaults can be distinguished.
 #[derive(Clone, Debug)]
 pub struct LoadedScenario {
     pub scenario: Scenario,
     written: Value,
-    pub(super) copies: AgentExpansion,
+    pub(crate) copies: AgentExpansion,
 }
 
 impl LoadedScenario {
@@ -225,7 +211,7 @@ impl WrittenScenario<'_> {
                         Unusable::Unreadable(error) => {
                             unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value))
                         }
-                        #[cfg(unix)]
+                        #[cfg(feature = "modules")]
                         Unusable::Module(message) => self.rule(&path, format!("`{}` {message}", file.display())),
                     }
                 })?;

@@ -8,7 +8,7 @@ use toml_parser::Source;
 use toml_parser::lexer::TokenKind;
 
 use super::built_in::BUILT_IN;
-use super::error::{Fault, ScenarioError, nearest_name};
+use crate::faults::error::{Fault, ScenarioError, nearest_name};
 use wildfire_base::input_file;
 
 /// The longest scenario or plan file that is read, and the most brackets and braces that open in it. Reading TOML was
@@ -31,9 +31,9 @@ pub struct ScenarioText {
     /// The source as it was asked for: a built-in name, or a path.
     pub source: String,
     /// The name that messages use: the path, or the file's name in the program's `scenarios` folder.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// The scenario's name, unless its text gives one.
-    pub(super) stem: String,
+    pub(crate) stem: String,
     pub text: String,
     /// The folder from which relative paths in the text start.
     pub folder: PathBuf,
@@ -127,7 +127,7 @@ pub fn toml_value(written: &str) -> Option<toml::Value> {
 }
 
 /// Words the refusal of a text that [`first_too_deep`] refuses.
-pub(super) fn too_deep_message() -> String {
+pub(crate) fn too_deep_message() -> String {
     format!("more than {MAX_NESTING} brackets and braces are open at once")
 }
 
@@ -137,19 +137,19 @@ pub fn can_be_read_again(source: &str) -> bool {
 }
 
 /// Reads the text of a file; a file of more bytes than `max` is refused.
-pub(super) fn read_text(path: &Path, max: u64) -> Result<String, Fault> {
+pub(crate) fn read_text(path: &Path, max: u64) -> Result<String, Fault> {
     input_file::read_text(path, max).map_err(|error| unreadable(path, &error))
 }
 
 /// Words why something at a path cannot be read.
-pub(super) fn unreadable(path: &Path, error: &io::Error) -> Fault {
+pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Fault {
     Fault::Unreadable { path: path.display().to_string(), kind: error.kind(), reason: error.to_string() }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::LoadedScenario;
     use super::*;
+    use crate::LoadedScenario;
 
     #[test]
     fn brackets_in_texts_and_comments_do_not_nest() {

@@ -4,14 +4,14 @@
 //! same share of the map's width and height, as far inside as its body needs; a Wumpus in the middle of that cell. If a
 //! bush is there, the run moves it to the nearest free place, as it does with every start.
 
-use super::{Field, StartPose, Unimog, Wumpus};
+use crate::{Field, StartPose, Unimog, Wumpus};
 use wildfire_base::geometry::{DVec2, FieldFrame, Pose};
 
 /// The room between a body and the edge of the field where it is moved inside, metres.
 const ROOM_M: f64 = 0.01;
 
 /// An agent whose start can be placed.
-pub(super) trait Starting {
+pub(crate) trait Starting {
     /// Says whether its body is inside the field at its start.
     fn start_fits(&self, frame: &FieldFrame) -> bool;
 

@@ -16,10 +16,10 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use super::check::MAX_CHANGES;
-use super::weather::{DeadMoisture, MoistureChange, WeatherSettings};
-use super::weather_csv::{CsvRow, CsvTable, house_angle, read_text};
-use super::wind::{MAX_WIND_MPS, WindChange};
+use crate::faults::check::MAX_CHANGES;
+use crate::site::weather::{DeadMoisture, MoistureChange, WeatherSettings};
+use crate::site::weather_csv::{CsvRow, CsvTable, house_angle, read_text};
+use crate::site::wind::{MAX_WIND_MPS, WindChange};
 use wildfire_base::document::number::short;
 use wildfire_base::geometry::ops;
 use wildfire_base::untrusted::visible_start;

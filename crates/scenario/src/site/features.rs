@@ -10,16 +10,16 @@ use rand::{Rng, RngExt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Check, TablePath};
 use super::fuel_name::FuelName;
-use super::path::PathStep;
+use crate::faults::check::{Check, TablePath};
+use crate::faults::path::PathStep;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, ops};
 use wildfire_base::ranges;
 use wildfire_base::rng;
 
 /// Numbers of the fuel models of water and of bare ground.
 const WATER: u8 = 98;
-pub(super) const BARE: u8 = 99;
+pub(crate) const BARE: u8 = 99;
 
 /// The most entries of each list of features.
 const MAX_FEATURES: usize = 100;
@@ -148,7 +148,7 @@ impl Features<'_> {
         true
     }
 
-    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
         let longest_m = frame.width_m().max(frame.height_m());
         table.count("patches", self.patches.len(), MAX_FEATURES)?;
         table.count("roads", self.roads.len(), MAX_FEATURES)?;
@@ -185,7 +185,7 @@ ranges! { Hill { height_m: -5000.0..=5000.0 } }
 ranges! { River { at: 0.0..=1.0, bridges: 0.0..=MAX_FEATURES as f64 } }
 
 /// Checks hills.
-pub(super) fn check_hills(hills: &[Hill], table: &TablePath, frame: &FieldFrame) -> Check {
+pub(crate) fn check_hills(hills: &[Hill], table: &TablePath, frame: &FieldFrame) -> Check {
     table.count("hills", hills.len(), MAX_FEATURES)?;
     for (number, hill) in hills.iter().enumerate() {
         let table = table.inner("hills").item(number);

@@ -15,7 +15,7 @@ pub struct FuelName(pub Option<&'static FuelModel>);
 
 impl FuelName {
     /// Returns the model of a code, such as `GR2`.
-    pub(super) fn from_code(code: &str) -> Self {
+    pub(crate) fn from_code(code: &str) -> Self {
         Self(Some(FuelModel::by_name(code).expect("it is a code of the table")))
     }
 

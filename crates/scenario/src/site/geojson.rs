@@ -15,8 +15,8 @@ use std::ops::Range;
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
-use super::error::MapFault;
 use super::layers::ImportedLayers;
+use crate::faults::error::MapFault;
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
 use wildfire_base::untrusted::visible_start;
 use wildfire_grid::Grid;
@@ -43,7 +43,7 @@ const TYPES: [&str; 9] = [
 ];
 
 /// Says whether a JSON text is GeoJSON: its `type` is one of the format's.
-pub(super) fn is_geojson(text: &str) -> bool {
+pub(crate) fn is_geojson(text: &str) -> bool {
     #[derive(Deserialize)]
     struct GeometryKind {
         r#type: String,
@@ -59,7 +59,7 @@ type ReadField = (FieldFrame, Grid<bool>, usize);
 ///
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
-pub(super) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
+pub(crate) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
     let mut shapes = Shapes::default();
     let mut json = serde_json::Deserializer::from_str(text);
     Member(&mut shapes).deserialize(&mut json)?;
@@ -74,7 +74,7 @@ pub(super) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadFiel
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says; or returns a sentence if no line crosses the field, if
 /// coordinates are in another system, or if the lines are too long.
-pub(super) fn road_cells(
+pub(crate) fn road_cells(
     text: &str,
     frame: &FieldFrame,
     layers: Option<&ImportedLayers>,

@@ -12,11 +12,11 @@ use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, V
 use serde::{Deserialize, Deserializer, Serialize};
 use thiserror::Error;
 
-use super::error::MapFault;
 use super::geojson;
-use super::json_location::{character_at, offset};
-use super::path::FieldPath;
-use super::wording::fault_from_message;
+use crate::faults::error::MapFault;
+use crate::faults::json_location::{character_at, offset};
+use crate::faults::path::FieldPath;
+use crate::faults::wording::fault_from_message;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_grid::Grid;
@@ -215,7 +215,7 @@ fn parse_json(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
 }
 
 /// Turns an error of the JSON reader into a fault; one about a member uses the words of all other values.
-pub(super) fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
+pub(crate) fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath) -> MapError {
     let at = offset(text, error.line(), error.column());
     let message = error.to_string();
     let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);

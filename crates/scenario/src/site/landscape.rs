@@ -11,12 +11,12 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check::{Check, TablePath};
 use super::features::{BARE, Features, Hill, Patches, River, RiverExclusion, Road, check_hills, hill_elevations};
 use super::fuel_name::FuelName;
 use super::layers::{ImportedLayers, PackedLayer};
-use super::path::PathStep;
-use super::{FireModelName, Scenario};
+use crate::faults::check::{Check, TablePath};
+use crate::faults::path::PathStep;
+use crate::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire_base::ranges;
 use wildfire_fire::fuel::FuelModel;
@@ -94,7 +94,7 @@ impl LandscapeSettings {
         self.blocks.iter().any(|name| name.number() == fuel)
     }
 
-    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
         if let Some(place) = self.blocks.iter().position(|name| name.number() == 0) {
             let expected = "the code or number of a fuel model".into();
             return table.inner("blocks").refuse_step(PathStep::Index(place), "\"none\"".into(), expected);
@@ -127,7 +127,7 @@ impl LandscapeSettings {
 ranges! { LandscapeSettings {; patches, hills, river } }
 
 /// Reads a colour, `#RRGGBB`.
-pub(super) fn colour_of(text: &str) -> Option<[u8; 3]> {
+pub(crate) fn colour_of(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
     let part = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).ok();
     Some([part(0)?, part(2)?, part(4)?])
@@ -203,7 +203,7 @@ fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &
     if !settings.hills.is_empty() {
         return Relief::Elevation(hill_elevations(&settings.hills, frame, seed));
     }
-    let plane = |settings: &super::RothermelSettings| {
+    let plane = |settings: &crate::RothermelSettings| {
         // House angles count from east against the clock, azimuths from north with it.
         compass::unit_toward(90.0 - settings.uphill_deg) * ops::tan(settings.slope_deg.to_radians())
     };
@@ -215,8 +215,8 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    use super::super::{LoadedScenario, Terrain, load};
     use super::*;
+    use crate::{LoadedScenario, MemoryLimit, Terrain, explain, load};
 
     const FIRE: &str = "wumpus = []\nunimog = []\n[fire]\nmodel = \"rothermel\"\n";
 
@@ -303,7 +303,9 @@ mod tests {
         let fuel = &terrain.landscape.as_ref().expect("the ground burns").fuel;
         assert_eq!((&fuel[6..12], fuel[0], fuel[12]), (&[BARE; 6][..], 104, 102), "the second row from the south");
         assert!(terrain.blocked.iter().all(|cell| cell.row != 1), "it crosses the water on a bridge");
-        let message = super::super::ground_report::describe_ground(&scenario, &terrain).join(" ");
+        let path = folder.path().join("mine.toml");
+        let with_text = LoadedScenario::open(path.to_str().expect("plain"), &[]).expect("it is right");
+        let message = explain(&with_text, MemoryLimit::default()).to_text();
         assert!(message.contains("Roads from roads.geojson: 6 cells, 25 %."), "{message}");
         let broken = json.replace("\"given_roads\":\"", "\"given_roads\":\"AAAA");
         assert!(serde_json::from_str::<Scenario>(&broken).expect("it is text").check().is_err());

@@ -80,7 +80,7 @@ impl Weights {
     ///
     /// # Errors
     /// Returns a sentence that begins with the path, and names row and column where a value is wrong.
-    pub(super) fn read(path: &Path, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Self, String> {
+    pub(crate) fn read(path: &Path, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Self, String> {
         let mut raster = raster::read(path).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
         let [west_m, south_m] = layers.map_or([raster.west_m, raster.south_m], |it| [it.west_m, it.south_m]);
@@ -764,7 +764,7 @@ impl ImportedLayers {
     }
 
     /// Checks layers that were not read from rasters but from a plan.
-    pub(super) fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self) -> bool {
         let FieldFrame { cols, rows, cell_m } = self.frame;
         let side_fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
         let is_whole = side_fits(cols) && side_fits(rows) && self.frame.cell_count() <= MAX_RASTER_CELLS;
@@ -786,12 +786,12 @@ impl ImportedLayers {
     }
 
     /// Returns the same with fuel that no raster gives.
-    pub(super) fn with_fuel(self, fuel: &[u8]) -> Self {
+    pub(crate) fn with_fuel(self, fuel: &[u8]) -> Self {
         Self { fuel: Some(PackedLayer::from_bytes(fuel)), ..self }
     }
 
     /// Creates layers of fuel alone, such as an image gives.
-    pub(super) fn from_fuel(frame: FieldFrame, fuel: &[u8]) -> Self {
+    pub(crate) fn from_fuel(frame: FieldFrame, fuel: &[u8]) -> Self {
         let fuel = Some(PackedLayer::from_bytes(fuel));
         Self {
             frame,
@@ -810,7 +810,7 @@ impl ImportedLayers {
 }
 
 impl PackedLayer {
-    pub(super) fn from_bytes(bytes: &[u8]) -> Self {
+    pub(crate) fn from_bytes(bytes: &[u8]) -> Self {
         Self(BASE64.encode(&compress_to_vec(bytes, PACKING)))
     }
 
@@ -829,7 +829,7 @@ impl PackedLayer {
         Self::from_bytes(&bytes)
     }
 
-    pub(super) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
+    pub(crate) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
         let bytes = decompress_to_vec_with_limit(&BASE64.decode(self.0.as_bytes()).ok()?, expected).ok()?;
         (bytes.len() == expected).then_some(bytes)
     }

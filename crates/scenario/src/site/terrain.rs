@@ -15,7 +15,7 @@ use thiserror::Error;
 
 use super::landscape::{Ground, NoRiver, cover, ground, is_bare};
 use super::tetromino::{Piece, extent};
-use super::{Overlaps, Scenario, Shape};
+use crate::{Overlaps, Scenario, Shape};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng;
 use wildfire_fire::Landscape;

@@ -26,7 +26,7 @@ pub fn free_start(
 }
 
 /// Returns the number of the first truck that has no place, if there is one.
-pub(super) fn first_without_place(
+pub(crate) fn first_without_place(
     mut trucks: impl Iterator<Item = (Dimensions, Pose)>,
     field: &Arc<ClearanceField>,
 ) -> Option<usize> {

@@ -10,10 +10,10 @@ use rand::{Rng, RngExt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
-use super::check::{Check, MAX_CHANGES, TablePath};
 use super::weather_csv::WeatherSample;
 use super::wind::{MAX_WIND_MPS, WindChange};
+use crate::Scenario;
+use crate::faults::check::{Check, MAX_CHANGES, TablePath};
 use wildfire_base::geometry::{DVec2, FieldFrame, ops};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
@@ -120,7 +120,7 @@ ranges! { WeatherSettings {
 ranges! { MoistureChange { at_s: 0.0..=1e6 } and |change, frame| change.moisture().check(frame) }
 
 impl WeatherSettings {
-    pub(super) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
         table.ascending("moisture", self.moisture.iter().map(|change| change.at_s))?;
         table.count("rows", self.rows.len(), MAX_CHANGES)?;
         self.rows.iter().enumerate().try_for_each(|(number, row)| {
@@ -208,12 +208,12 @@ fn compass_point(azimuth_deg: f64) -> &'static str {
 }
 
 /// Rounds a number for people: what is computed, as from miles per hour, has more decimals than anybody reads.
-pub(super) fn thousandths(number: f64) -> f64 {
+pub(crate) fn thousandths(number: f64) -> f64 {
     (number * 1e3).round() / 1e3 + 0.0
 }
 
 /// Puts a wind into words, in the angles of scenarios and in those of maps.
-pub(super) fn describe_wind(speed_mps: f64, toward_deg: f64) -> String {
+pub(crate) fn describe_wind(speed_mps: f64, toward_deg: f64) -> String {
     if speed_mps == 0.0 {
         return "calm".into();
     }

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::check::MAX_CHANGES;
 use super::wind::{MAX_WIND_MPS, WindChange};
+use crate::faults::check::MAX_CHANGES;
 use wildfire_base::input_file;
 use wildfire_base::untrusted::visible_start;
 use wildfire_fire::surface::FuelMoisture;
@@ -30,7 +30,7 @@ pub struct WeatherSample {
 ///
 /// # Errors
 /// Returns a sentence with the path and the line of what is wrong.
-pub(super) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, String> {
+pub(crate) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, String> {
     let text = read_text(path)?;
     let table = CsvTable::new(path, &text)?;
     let [at, speed, from] = table.required(["t_s", "speed_mps", "from_deg"])?;
@@ -60,7 +60,7 @@ pub(super) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, Stri
 ///
 /// # Errors
 /// Returns a sentence with the path and the line of what is wrong.
-pub(super) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
+pub(crate) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
     let text = read_text(path)?;
     let table = CsvTable::new(path, &text)?;
     let wind = table.together(["speed_mps", "from_deg"])?;
@@ -98,17 +98,17 @@ pub(super) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
 }
 
 /// Reads the text of a file of weather.
-pub(super) fn read_text(path: &Path) -> Result<String, String> {
+pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     input_file::read_text(path, MAX_BYTES).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Returns the angle in [0, 360), counter-clockwise from east, to which a wind from an azimuth blows.
-pub(super) fn house_angle(from_deg: f64) -> f64 {
+pub(crate) fn house_angle(from_deg: f64) -> f64 {
     (270.0 - from_deg).rem_euclid(360.0)
 }
 
 /// A file whose rows are read one by one, as it may be long.
-pub(super) struct CsvTable<'a> {
+pub(crate) struct CsvTable<'a> {
     pub name: String,
     pub names: Vec<&'a str>,
     /// `None` for any number of blanks and tabs.
@@ -118,7 +118,7 @@ pub(super) struct CsvTable<'a> {
     body_line: usize,
 }
 
-pub(super) struct CsvRow<'a> {
+pub(crate) struct CsvRow<'a> {
     pub line: usize,
     text: &'a str,
     separator: Option<char>,

@@ -7,7 +7,7 @@ use wildfire_base::geometry::{DVec2, compass};
 use wildfire_base::ranges;
 
 /// The fastest wind, m/s: twice that of the strongest hurricanes.
-pub(super) const MAX_WIND_MPS: f64 = 150.0;
+pub(crate) const MAX_WIND_MPS: f64 = 150.0;
 
 /// Wind from a time on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,7 +25,7 @@ ranges! { WindChange { at_s: 0.0..=1e6, speed_mps: 0.0..=MAX_WIND_MPS, toward_de
 
 impl WindChange {
     /// Where it blows to, exact along the axes: an angle from east against the clock is an azimuth from north with it.
-    pub(super) fn vector(&self) -> DVec2 {
+    pub(crate) fn vector(&self) -> DVec2 {
         compass::unit_toward(90.0 - self.toward_deg) * self.speed_mps
     }
 }
