@@ -105,7 +105,7 @@ fn survival(n: usize, random: &mut Random) -> (Option<Interval>, f64) {
 }
 
 fn median_lifetime(n: usize, random: &mut Random) -> (Option<Interval>, f64) {
-    let (low, high) = lifetimes(n, random).median_interval();
+    let [low, high] = lifetimes(n, random).median_interval();
     let interval = Interval { low: low.unwrap_or(0.0), high: high.unwrap_or(f64::INFINITY) };
     (Some(interval), std::f64::consts::LN_2)
 }

@@ -16,7 +16,7 @@ use crate::cli::{numbers, terminal};
 use wildfire_base::document::number::{optional, rounded};
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
-use wildfire_batch::decisions::{HindsightBound, attain_all};
+use wildfire_batch::decisions::{HindsightBound, HindsightBudget, attain_all};
 use wildfire_batch::execute::limit_threads;
 use wildfire_batch::stats::{Interval, Series, UNBOUNDED};
 use wildfire_scenario as scenario;
@@ -76,17 +76,18 @@ pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<Exit
     limit_threads(jobs_or_all(arguments.jobs));
     let options = context.run_options(false, arguments.memory.limit());
     let progress = Progress::new(seeds.len() as u64, "seeds", context.quiet);
-    let how = (arguments.choices, arguments.runs);
-    let rows = attain_all((&scenario, &seeds), &options, how, || progress.advance());
+    let budget = HindsightBudget { choices: arguments.choices, runs: arguments.runs };
+    let rows = attain_all(&scenario, &seeds, &options, budget, || progress.advance());
     progress.end();
-    let report = AttainReport { scenario: scenario.name.clone(), rows: rows.map_err(CliError::run_failed)? };
+    let report = AttainReport { scenario: scenario.name.clone(), seeds, rows: rows.map_err(CliError::run_failed)? };
     terminal::print(&arguments.form.render(&report))?;
     Ok(ExitCode::SUCCESS)
 }
 
 struct AttainReport {
     scenario: String,
-    rows: Vec<(u64, HindsightBound)>,
+    seeds: Vec<u64>,
+    rows: Vec<HindsightBound>,
 }
 
 /// The most seeds that have a row each.
@@ -95,9 +96,8 @@ const LISTED: usize = 20;
 impl AttainReport {
     /// Returns losses, attainable losses and their differences.
     fn series(&self) -> [(&'static str, Series); 3] {
-        let of = |value: fn(&HindsightBound) -> f64| {
-            Series::from_values(&self.rows.iter().map(|(_, row)| value(row)).collect::<Vec<_>>())
-        };
+        let of =
+            |value: fn(&HindsightBound) -> f64| Series::from_values(&self.rows.iter().map(value).collect::<Vec<_>>());
         [
             ("lost", of(|row| row.lost as f64)),
             ("attainable", of(|row| row.attainable as f64)),
@@ -108,13 +108,13 @@ impl AttainReport {
 
 impl From<&AttainReport> for Document {
     fn from(report: &AttainReport) -> Self {
-        let row = |(seed, row): &(u64, HindsightBound)| {
+        let rows = report.seeds.iter().zip(&report.rows).take(LISTED).map(|(seed, row)| {
             let headroom = row.lost - row.attainable;
             [*seed as usize, row.lost, row.attainable, headroom, row.answers.len(), row.runs as usize]
                 .map(|number| number.to_string())
                 .to_vec()
-        };
-        let mut rows: Vec<Vec<String>> = report.rows.iter().take(LISTED).map(row).collect();
+        });
+        let mut rows: Vec<Vec<String>> = rows.collect();
         let series = report.series();
         let rules_before = vec![rows.len()];
         let line = |name: &str, value: &dyn Fn(&Series) -> Option<f64>| {
@@ -151,14 +151,11 @@ impl From<&AttainReport> for Document {
 
 impl Serialize for AttainReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let row = |(seed, row): &(u64, HindsightBound)| {
-            let answers = row
-                .answers
-                .iter()
-                .map(|(time, (agent, cell))| {
-                    object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
-                })
-                .collect::<Vec<_>>();
+        let rows = self.seeds.iter().zip(&self.rows).map(|(seed, row)| {
+            let answers = row.answers.iter().map(|(time, (agent, cell))| {
+                object!(Answer { t_s: time.as_seconds(), agent: agent.to_string(), cell: [cell.col, cell.row] })
+            });
+            let answers = answers.collect::<Vec<_>>();
             object!(Row {
                 seed: *seed,
                 lost: row.lost,
@@ -168,8 +165,8 @@ impl Serialize for AttainReport {
                 is_exact: row.is_exact,
                 answers
             })
-        };
-        let rows = self.rows.iter().map(row).collect::<Vec<_>>();
+        });
+        let rows = rows.collect::<Vec<_>>();
         let means = self.series().map(|(quantity, series)| {
             object!(Mean { quantity, mean: series.mean(), interval: series.mean_interval_within(UNBOUNDED) })
         });

@@ -145,7 +145,7 @@ impl Board {
         let mut all = self.rows(track)?;
         all.retain(|row| row.entry != *name);
         all.extend(rows);
-        all.sort_by(|one, other| one.key().cmp(&other.key()));
+        all.sort_by(ArenaRow::cmp_run);
         let copy = self.folder.join(ENTRIES_FOLDER).join(name);
         let files = [(self.file(track, "csv"), ArenaRow::write(&all))];
         self.copy(entry, &copy).map_err(|source| ArenaError::Unreadable { path: copy.clone(), source })?;
@@ -293,10 +293,8 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
         Err(error) if error.kind() == ErrorKind::NotFound => return None,
         Err(error) => return Some(format!("{name}: {error}")),
     };
-    let is_of_program = |line: &str| OF_THE_PROGRAM.iter().any(|start| line.trim_start().starts_with(start));
-    let lines = |text: &'_ str| text.split('\n').map(str::to_owned).collect::<Vec<_>>();
-    let found = lines(&found);
-    let expected = lines(expected);
+    let found = lines_of(&found);
+    let expected = lines_of(expected);
     let place = (0..found.len().max(expected.len())).find(|&place| match (found.get(place), expected.get(place)) {
         (Some(found), Some(expected)) => {
             found.trim_end_matches('\r') != expected && !(is_of_program(found) && is_of_program(expected))
@@ -311,6 +309,14 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
         visible(&line.chars().skip(same.saturating_sub(BEFORE)).take(SHOWN).collect::<String>()).into_owned()
     };
     Some(format!("{name}, line {}: `{}`; the rows give `{}`", place + 1, shown(&found), shown(&expected)))
+}
+
+fn lines_of(text: &str) -> Vec<String> {
+    text.split('\n').map(str::to_owned).collect::<Vec<_>>()
+}
+
+fn is_of_program(line: &str) -> bool {
+    OF_THE_PROGRAM.iter().any(|start| line.trim_start().starts_with(start))
 }
 
 fn write(files: &[(PathBuf, String)]) -> Result<(), ArenaError> {
@@ -364,10 +370,9 @@ impl BoardEntry {
             Better::Higher => scores.fold(0.0, f64::min),
             Better::Lower => scores.fold(0.0, f64::max),
         };
-        let stratum = |row: &ArenaRow| if track.worst_decides { 0 } else { place(row) };
         rows.iter()
             .filter(|row| !track.worst_decides || place(row) == self.worst)
-            .map(|row| (row.seed, stratum(row), row.score.unwrap_or(worst_score)))
+            .map(|row| (row.seed, if track.worst_decides { 0 } else { place(row) }, row.score.unwrap_or(worst_score)))
             .collect()
     }
 }

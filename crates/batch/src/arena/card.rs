@@ -29,8 +29,8 @@ pub(super) fn data_card(files: &[(&Track, String)]) -> Value {
             "sha256": whole_hash(text),
         })
     });
-    let record_set = |(track, _): &(&Track, String)| {
-        let field = |(heading, (description, of)): (&str, (&str, &str))| {
+    let record_sets = files.iter().map(|(track, _)| {
+        let fields = HEADINGS.into_iter().zip(COLUMNS).map(|(heading, (description, of))| {
             json!({
                 "@type": "cr:Field",
                 "@id": format!("{}/{heading}", track.name),
@@ -42,15 +42,15 @@ pub(super) fn data_card(files: &[(&Track, String)]) -> Value {
                     "extract": { "column": heading },
                 },
             })
-        };
+        });
         json!({
             "@type": "cr:RecordSet",
             "@id": track.name,
             "name": track.name,
             "description": format!("A row for each run of the track, scored by {}.", track.metric().name),
-            "field": HEADINGS.into_iter().zip(COLUMNS).map(field).collect::<Vec<_>>(),
+            "field": fields.collect::<Vec<_>>(),
         })
-    };
+    });
     json!({
         "@context": context(),
         "@type": "sc:Dataset",
@@ -61,7 +61,7 @@ pub(super) fn data_card(files: &[(&Track, String)]) -> Value {
         "version": format!("{ARENA_VERSION}.0+{}", shown_hash(&all)),
         "citeAs": format!("wildfire {PROGRAM_VERSION}, arena {ARENA_VERSION}"),
         "distribution": distribution.collect::<Vec<_>>(),
-        "recordSet": files.iter().map(record_set).collect::<Vec<_>>(),
+        "recordSet": record_sets.collect::<Vec<_>>(),
     })
 }
 

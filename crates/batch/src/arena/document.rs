@@ -1,7 +1,7 @@
 //! The board of a track as a document.
 
 use super::{BoardEntry, TrackBoard};
-use crate::comparison::{RankedEntry, decimals, ranks};
+use crate::comparison::{decimals, ranks};
 use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
@@ -73,7 +73,7 @@ fn ends(interval: Option<Interval>, decimals: usize) -> [String; 2] {
 fn ranks_table(board: &TrackBoard) -> Table {
     let ranking = &board.ranking;
     let decimals = decimals(ranking).min(MAX_DECIMALS);
-    let row = |(place, (entry, ranked)): (usize, (&BoardEntry, &RankedEntry))| {
+    let rows = board.entries.iter().zip(&ranking.entries).enumerate().map(|(place, (entry, ranked))| {
         let next = ranking.pair(place, place + 1);
         let mut cells = vec![name(entry), ranks(ranked.ranks), rounded(ranked.mean, decimals)];
         let reach = entry.interval.map(|interval| 0.5 * (interval.high - interval.low));
@@ -83,9 +83,9 @@ fn ranks_table(board: &TrackBoard) -> Table {
         cells.push(next.map_or("-".into(), |pair| probability(pair.p_adjusted)));
         cells.push(rounded(entry.effort, 0));
         cells
-    };
+    });
     let headings = ["Entry", "Rank", "Score", "± 95%", "Next\n− this", "95%\nlow", "95%\nhigh", "p", "Effort"];
-    Table::new(&headings, board.entries.iter().zip(&ranking.entries).enumerate().map(row).collect())
+    Table::new(&headings, rows.collect())
 }
 
 /// Draws how the entries differ from the first.
@@ -112,7 +112,7 @@ fn conditions_table(board: &TrackBoard) -> Table {
     let names = board.entries[0].by_condition.iter().map(|(name, ..)| name.replace('-', "\n"));
     let headings: Vec<String> =
         std::iter::once("Entry".to_owned()).chain(names).chain(["Worst\n− mean".to_owned()]).collect();
-    let row = |entry: &BoardEntry| {
+    let rows = board.entries.iter().map(|entry| {
         let means = entry.by_condition.iter().map(|(_, mean, _)| *mean);
         let mean = means.clone().sum::<f64>() / entry.by_condition.len() as f64;
         let cells = means.clone().enumerate().map(|(place, mean)| {
@@ -121,19 +121,22 @@ fn conditions_table(board: &TrackBoard) -> Table {
         });
         let exploited = rounded(entry.by_condition[entry.worst].1 - mean, decimals);
         std::iter::once(name(entry)).chain(cells).chain([exploited]).collect()
-    };
+    });
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let table = Table::new(&headings, board.entries.iter().map(row).collect());
+    let table = Table::new(&headings, rows.collect());
     table.with_caption("Mean scores under each condition; ! marks the worst of an entry")
 }
 
 /// The same as bars with intervals, of the best entries.
 fn conditions_chart(board: &TrackBoard) -> Vec<Block> {
-    let series = board.entries.iter().zip(STYLES).map(|(entry, style)| {
-        let bar = |(_, mean, interval): &(String, f64, Option<Interval>)| {
-            Some(Estimate { value: *mean, interval: interval.map(|it| (it.low, it.high)) })
-        };
-        BarSeries { name: name(entry), style, bars: entry.by_condition.iter().map(bar).collect() }
+    let series = board.entries.iter().zip(STYLES).map(|(entry, style)| BarSeries {
+        name: name(entry),
+        style,
+        bars: entry
+            .by_condition
+            .iter()
+            .map(|(_, mean, interval)| Some(Estimate { value: *mean, interval: interval.map(|it| (it.low, it.high)) }))
+            .collect(),
     });
     let titles = Titles {
         title: "Mean score under each condition, 95 % intervals".into(),

@@ -56,21 +56,24 @@ pub fn play(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(players.jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs: players.jobs, reason: error.to_string() })?;
     let options = RunOptions { memory: plan.memory, ..players.registry.clone().into() };
-    let make = |&number: &u64| {
-        let run = plan.run(number);
-        let played = match track.kind {
-            TrackKind::Run => Ok(simulated(track, &run, &options)),
-            TrackKind::Drive => driven(&run, plan, players),
-        };
-        on_run();
-        played
-    };
-    pool.install(|| numbers.par_iter().with_max_len(1).map(make).collect())
+    pool.install(|| {
+        let played = numbers.par_iter().with_max_len(1).map(|&number| {
+            let run = plan.run(number);
+            let played = match track.kind {
+                TrackKind::Run => Ok(simulated(track, &run, &options)),
+                TrackKind::Drive => driven(&run, plan, players),
+            };
+            on_run();
+            played
+        });
+        played.collect()
+    })
 }
 
 fn row_of(run: &PlannedRun<'_>, score: Option<f64>, effort: u64, hash: String) -> ArenaRow {
-    let name = |place: usize| run.variant.swept.get(place).map_or(String::new(), ToString::to_string);
-    ArenaRow { entry: name(0), condition: name(1), seed: run.seed, score, effort, hash }
+    let [entry, condition] =
+        [0, 1].map(|place| run.variant.swept.get(place).map_or(String::new(), ToString::to_string));
+    ArenaRow { entry, condition, seed: run.seed, score, effort, hash }
 }
 
 fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
@@ -90,8 +93,7 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
         Err(panic) => not_done(Status::Panicked, panic),
     };
     let record = RunRecord::from_row(&row);
-    let number = |column: &&str| record.number(run_column(column)).unwrap_or(0.0);
-    let effort = track.effort.iter().map(|column| number(column) as u64).sum();
+    let effort = track.effort.iter().map(|column| record.number(run_column(column)).unwrap_or(0.0) as u64).sum();
     let row = ArenaRow { ..row_of(run, track.metric().number(&record), effort, hash_of_run(&record)) };
     Played {
         row,

@@ -1,5 +1,6 @@
 //! What a board keeps of a run: its score, its effort, and a hash of all its outcomes.
 
+use std::cmp::Ordering;
 use std::io::Read;
 use std::path::Path;
 
@@ -85,16 +86,16 @@ pub struct ArenaRow {
 }
 
 impl ArenaRow {
-    /// Says by what it is found among the rows of a board.
-    pub fn key(&self) -> (&str, &str, u64) {
-        (&self.entry, &self.condition, self.seed)
+    /// Orders rows by what they are found by on a board.
+    pub fn cmp_run(&self, other: &Self) -> Ordering {
+        let by_entry = self.entry.cmp(&other.entry).then_with(|| self.condition.cmp(&other.condition));
+        by_entry.then(self.seed.cmp(&other.seed))
     }
 
     /// Says in what a row of the same run differs; `None` if in nothing.
     pub fn difference(&self, again: &Self) -> Option<String> {
-        let score = |row: &Self| row.score.map_or("nothing".to_owned(), |score| score.to_string());
         let pairs = [
-            ("score", score(self), score(again)),
+            ("score", score_text(self), score_text(again)),
             ("effort", self.effort.to_string(), again.effort.to_string()),
             ("hash", self.hash.clone(), again.hash.clone()),
         ];
@@ -161,6 +162,10 @@ impl ArenaRow {
     }
 }
 
+fn score_text(row: &ArenaRow) -> String {
+    row.score.map_or("nothing".to_owned(), |score| score.to_string())
+}
+
 /// The hash of all rows of an entry: 16 hexadecimal digits of SHA-256 over their lines.
 pub fn rows_hash<'a>(rows: impl Iterator<Item = &'a ArenaRow>) -> String {
     let rows: Vec<ArenaRow> = rows.cloned().collect();
@@ -176,14 +181,13 @@ pub(super) fn hash_of_run(record: &RunRecord) -> String {
 /// The hash of a query's outcomes.
 pub(super) fn hash_of_query(query: &DriveQuery) -> String {
     let figures = query.figures.as_ref();
-    let real = |value: Option<f64>| Value::from(value);
     let values = [
         ("solved", Value::Flag(query.solved().is_some())),
-        ("length_m", real(figures.map(|it| it.length_m))),
-        ("lower_bound_ratio", real(figures.and_then(|it| it.lower_bound_ratio))),
-        ("min_clearance_m", real(figures.map(|it| it.min_clearance_m))),
+        ("length_m", Value::from(figures.map(|it| it.length_m))),
+        ("lower_bound_ratio", Value::from(figures.and_then(|it| it.lower_bound_ratio))),
+        ("min_clearance_m", Value::from(figures.map(|it| it.min_clearance_m))),
         ("cusps", Value::from(figures.map(|it| u64::from(it.cusps)))),
-        ("drive_s", real(figures.map(|it| it.drive_s))),
+        ("drive_s", Value::from(figures.map(|it| it.drive_s))),
         ("failure", Value::from(query.failure.map(|failure| failure.to_string()))),
         ("expansions", Value::from(query.cost.map(|cost| cost.expansions))),
     ];

@@ -80,7 +80,7 @@ pub struct CutOff {
     pub counts: [usize; 2],
     pub medians: [Option<f64>; 2],
     /// The intervals of the medians; ends beyond the observed times are `None`.
-    pub median_intervals: [(Option<f64>, Option<f64>); 2],
+    pub median_intervals: [[Option<f64>; 2]; 2],
 }
 
 /// The numbers of two paired runs.
@@ -160,9 +160,10 @@ impl Contrast {
     /// Returns the row of a chart of differences.
     pub(crate) fn forest_row(&self, name: String, decimals: usize, is_significant: bool) -> ForestRow {
         let interval = self.interval.map(|Interval { low, high }| (low, high));
-        let number = |value| rounded(value, decimals);
-        let ends = interval.map_or_else(String::new, |(low, high)| format!(" ({} to {})", number(low), number(high)));
-        let text = format!("{}{ends}", number(self.difference));
+        let ends = interval.map_or_else(String::new, |(low, high)| {
+            format!(" ({} to {})", rounded(low, decimals), rounded(high, decimals))
+        });
+        let text = format!("{}{ends}", rounded(self.difference, decimals));
         ForestRow { name, difference: Some(Estimate { value: self.difference, interval }), text, is_significant }
     }
 }

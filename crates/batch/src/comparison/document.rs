@@ -116,9 +116,8 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
         text += &format!(" No pair finished where {}.", conditions.join(" or "));
     }
     if let several @ [_, _, ..] = &pairs.strata[..] {
-        let counts = || several.iter().map(|stratum| stratum.pairs);
-        let min = counts().min().unwrap_or(0);
-        let max = counts().max().unwrap_or(0);
+        let min = several.iter().map(|stratum| stratum.pairs).min().unwrap_or(0);
+        let max = several.iter().map(|stratum| stratum.pairs).max().unwrap_or(0);
         let each = if min == max { format!("{min} pairs each") } else { format!("{min} to {max} pairs each") };
         text += &format!(" Every difference is a mean over {}, {each}.", levels(pairs));
     }
@@ -129,7 +128,7 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
 fn levels(pairs: &Pairs) -> String {
     /// The most values that are listed; more are counted.
     const MAX: usize = 12;
-    let of_column = |(index, column): (usize, &String)| {
+    let columns = pairs.columns.iter().enumerate().map(|(index, column)| {
         let mut values: Vec<String> = Vec::new();
         for stratum in &pairs.strata {
             let value = visible_start(&stratum.levels[index]);
@@ -139,8 +138,8 @@ fn levels(pairs: &Pairs) -> String {
         }
         let listed = if values.len() > MAX { format!("{} values", values.len()) } else { values.join(", ") };
         format!("{} ({listed})", visible_start(column))
-    };
-    let columns: Vec<String> = pairs.columns.iter().enumerate().map(of_column).collect();
+    });
+    let columns: Vec<String> = columns.collect();
     match &columns[..] {
         [column] => column.clone(),
         several => format!("{} combinations of {}", pairs.strata.len(), several.join(" and ")),
@@ -157,26 +156,6 @@ fn verdict(judged: &JudgedContrast, letter: char) -> String {
 
 /// Draws the differences of all metrics. Their units differ, so that each is a share of A's mean.
 fn forest(against: &ComparisonToA) -> Block {
-    let row = |judged: &JudgedContrast| {
-        let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
-        let is_different = judged.verdict == Verdict::Difference;
-        let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_different);
-        let unit = match metric.about.unit.symbol() {
-            "" | "1" => String::new(),
-            symbol => format!(" {symbol}"),
-        };
-        let of_zero = if *mean_a == 0.0 { "; A's mean is 0" } else { "" };
-        let percent = |value: f64| 100.0 * value / mean_a.abs();
-        let in_percent = |Estimate { value, interval }| Estimate {
-            value: percent(value),
-            interval: interval.map(|(low, high)| (percent(low), percent(high))),
-        };
-        ForestRow {
-            difference: row.difference.filter(|_| *mean_a != 0.0).map(in_percent),
-            text: format!("{}{unit}{of_zero}", row.text),
-            ..row
-        }
-    };
     let letter = against.letter;
     let titles = Titles {
         title: format!("{letter} − A, with 95 % intervals"),
@@ -185,30 +164,49 @@ fn forest(against: &ComparisonToA) -> Block {
         x: format!("{letter} − A (% of A's mean)"),
         y: String::new(),
     };
-    let chart = ForestChart { titles, rows: against.judged.iter().map(row).collect() };
+    let chart = ForestChart { titles, rows: against.judged.iter().map(forest_row).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
+}
+
+/// Row of a metric, its difference as a share of A's mean.
+fn forest_row(judged: &JudgedContrast) -> ForestRow {
+    let Contrast { metric, means: [mean_a, _], .. } = &judged.contrast;
+    let is_different = judged.verdict == Verdict::Difference;
+    let row = judged.contrast.forest_row(metric.name.to_string(), decimals(&judged.contrast), is_different);
+    let unit = match metric.about.unit.symbol() {
+        "" | "1" => String::new(),
+        symbol => format!(" {symbol}"),
+    };
+    let of_zero = if *mean_a == 0.0 { "; A's mean is 0" } else { "" };
+    let percent = |value: f64| 100.0 * value / mean_a.abs();
+    ForestRow {
+        difference: row.difference.filter(|_| *mean_a != 0.0).map(|Estimate { value, interval }| Estimate {
+            value: percent(value),
+            interval: interval.map(|(low, high)| (percent(low), percent(high))),
+        }),
+        text: format!("{}{unit}{of_zero}", row.text),
+        ..row
+    }
 }
 
 fn differences(against: &ComparisonToA) -> Table {
     let letter = against.letter;
     let headings = ["Metric", "Pairs", "A", &letter.to_string(), &format!("{letter} − A"), "95% low", "95% high"];
-    let row = |judged: &JudgedContrast| {
+    let rows = against.judged.iter().map(|judged| {
         let contrast = &judged.contrast;
         let decimals = decimals(contrast);
-        let number = |value: f64| rounded(value, decimals);
         let ends = Interval::ends(contrast.interval).map(|end| optional(end, decimals));
-        let [ours, theirs] = contrast.means.map(number);
+        let [ours, theirs] = contrast.means.map(|value| rounded(value, decimals));
         let cells = [contrast.metric.name.to_string(), contrast.pairs.to_string(), ours, theirs];
-        cells.into_iter().chain([number(contrast.difference)]).chain(ends).collect()
-    };
-    Table::new(&headings, against.judged.iter().map(row).collect())
+        cells.into_iter().chain([rounded(contrast.difference, decimals)]).chain(ends).collect()
+    });
+    Table::new(&headings, rows.collect())
 }
 
 fn tests(against: &ComparisonToA) -> Table {
     let has_strata = has_strata(against);
-    let row = |judged: &JudgedContrast| {
+    let rows = against.judged.iter().map(|judged| {
         let contrast = &judged.contrast;
-        let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".into());
         let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
         let cells = [
             contrast.metric.name.to_string(),
@@ -219,16 +217,20 @@ fn tests(against: &ComparisonToA) -> Table {
             optional(contrast.ranks.map(|ranks| ranks.rank_biserial()), 2),
         ];
         cells.into_iter().chain(has_strata.then(|| or_dash(of_strata.map(probability)))).collect()
-    };
+    });
     let mut headings = vec!["Metric", "p", "by", "dz", "p by ranks", "r"];
     headings.extend(has_strata.then_some("p strata"));
-    Table::new(&headings, against.judged.iter().map(row).collect())
+    Table::new(&headings, rows.collect())
+}
+
+fn or_dash(value: Option<String>) -> String {
+    value.unwrap_or_else(|| "-".into())
 }
 
 /// The strata of every metric in which they say something else than the mean, each with its own verdict.
 fn strata(against: &ComparisonToA) -> Vec<Block> {
     let ComparisonToA { letter, pairs, judged, .. } = against;
-    let of_metric = |judged: &JudgedContrast| {
+    let blocks = judged.iter().filter_map(|judged| {
         let found = judged.by_stratum.as_ref().filter(|_| judged.varies_by_stratum())?;
         let JudgedStrata { by, strata, p_adjusted, .. } = found;
         let how = match p_adjusted.filter(|_| found.differ()) {
@@ -236,12 +238,17 @@ fn strata(against: &ComparisonToA) -> Vec<Block> {
             None => "is not significant in all".to_owned(),
         };
         let heading = format!("{} by {by}: {letter} − A {how}", judged.contrast.metric.name);
-        let line = |(stratum, judged): &(usize, JudgedContrast)| {
-            format!("{}: {}", pairs.stratum_text(*stratum), judged.sentence(*letter))
-        };
-        Some([Block::Text(heading), Block::List(strata.iter().map(line).collect())])
-    };
-    judged.iter().filter_map(of_metric).flatten().collect()
+        Some([
+            Block::Text(heading),
+            Block::List(
+                strata
+                    .iter()
+                    .map(|(stratum, judged)| format!("{}: {}", pairs.stratum_text(*stratum), judged.sentence(*letter)))
+                    .collect(),
+            ),
+        ])
+    });
+    blocks.flatten().collect()
 }
 
 /// A difference with its uncertainty's digits, in the unit of the amounts that people give.
@@ -254,7 +261,7 @@ fn sized(value: f64, contrast: &Contrast) -> String {
 /// The power of the seeds at hand, and how many would suffice.
 fn power(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
     comparison.questions.power.as_ref()?;
-    let row = |judged: &JudgedContrast| {
+    let rows = against.judged.iter().map(|judged| {
         let contrast = &judged.contrast;
         let cells = judged.power.map(|answer| {
             let needed = answer.seeds_needed.map_or("over 1e9".to_owned(), |seeds| seeds.to_string());
@@ -263,16 +270,16 @@ fn power(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
         });
         let cells = cells.unwrap_or_else(|| std::array::from_fn(|_| "-".into()));
         [contrast.metric.name.to_string(), contrast.seeds.to_string()].into_iter().chain(cells).collect()
-    };
+    });
     let headings = ["Metric", "Seeds", "Difference", "Power\n%", "Seeds\nfor 80 %", "Detectable"];
     let caption = format!("Seeds that a difference between A and {} needs", against.letter);
-    Some(Table::new(&headings, against.judged.iter().map(row).collect()).with_caption(&caption))
+    Some(Table::new(&headings, rows.collect()).with_caption(&caption))
 }
 
 /// Tests of whether the sides are equal within a margin.
 fn equivalence(against: &ComparisonToA, comparison: &Comparison) -> Option<Table> {
     comparison.questions.equivalent.as_ref()?;
-    let row = |judged: &JudgedContrast| {
+    let rows = against.judged.iter().map(|judged| {
         let contrast = &judged.contrast;
         let cells = judged.equivalence.map(|found| {
             let decimals = two_digits(0.5 * (found.interval.high - found.interval.low));
@@ -284,10 +291,10 @@ fn equivalence(against: &ComparisonToA, comparison: &Comparison) -> Option<Table
         });
         let cells = cells.unwrap_or_else(|| std::array::from_fn(|_| "-".into()));
         [contrast.metric.name.to_string()].into_iter().chain(cells).collect()
-    };
+    });
     let headings = ["Metric", "Margin", "90% low", "90% high", "p", "Equivalent"];
     let caption = format!("Equivalence of A and {}", against.letter);
-    Some(Table::new(&headings, against.judged.iter().map(row).collect()).with_caption(&caption))
+    Some(Table::new(&headings, rows.collect()).with_caption(&caption))
 }
 
 fn method(method: Method) -> &'static str {
@@ -331,14 +338,17 @@ fn notes(against: &ComparisonToA) -> Vec<String> {
 }
 
 fn cut_off_note(cut_off: &CutOff, letter: char) -> String {
-    let end = |end: Option<f64>| end.map_or("beyond the end".into(), |end| rounded(end, 0));
-    let median = |side: usize| {
-        let (low, high) = cut_off.median_intervals[side];
-        format!("{} ({} to {})", end(cut_off.medians[side]), end(low), end(high))
-    };
+    let [our_median, their_median] = [0, 1].map(|side: usize| {
+        let [low, high] = cut_off.median_intervals[side];
+        format!("{} ({} to {})", time_text(cut_off.medians[side]), time_text(low), time_text(high))
+    });
     let [ours, theirs] = cut_off.counts;
     let horizon = cut_off.horizon.map_or(String::new(), |horizon| {
         format!("; cut off in {ours} and {theirs} runs, and longer times count as {}", rounded(horizon, 0))
     });
-    format!("medians with 95 % intervals: A {}, {letter} {}{horizon}", median(0), median(1))
+    format!("medians with 95 % intervals: A {our_median}, {letter} {their_median}{horizon}")
+}
+
+fn time_text(end: Option<f64>) -> String {
+    end.map_or("beyond the end".into(), |end| rounded(end, 0))
 }

@@ -14,14 +14,14 @@ use wildfire_base::object;
 
 impl Serialize for Comparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let side = |side: &SideSummary| {
+        let sides = self.sides.iter().map(|side| {
             let SideSummary { letter, ref description, runs, failed, queries } = *side;
             object!(Side { side: letter, description: description.clone(), runs, failed, queries, notes: side.notes() })
-        };
+        });
         let comparison = object!(Object {
             program_version: PROGRAM_VERSION,
             confidence: CONFIDENCE,
-            sides: self.sides.iter().map(side).collect::<Vec<_>>(),
+            sides: sides.collect::<Vec<_>>(),
             comparisons: self.against_a.iter().map(|against| against_a(self, against)).collect::<Vec<_>>(),
         });
         comparison.serialize(serializer)
@@ -31,19 +31,16 @@ impl Serialize for Comparison {
 fn against_a(comparison: &Comparison, against: &ComparisonToA) -> impl Serialize {
     let ComparisonToA { letter, settings: differing, pairs, judged } = against;
     let [in_first, in_second, in_both] = pairs.failed;
-    let stratum = |index| object!(Stratum { values: levels(pairs, index), pairs: pairs.strata[index].pairs });
+    let strata = (0..pairs.strata.len())
+        .map(|index| object!(Stratum { values: levels(pairs, index), pairs: pairs.strata[index].pairs }));
     let missing = comparison.missing.iter().filter(|(side, _)| side == letter);
     object!(Against {
         side: letter,
         against: 'A',
         settings: settings(differing, *letter, pairs),
         pairs: pairs.runs.len(),
-        mean_over: (pairs.strata.len() > 1).then(|| {
-            object!(MeanOver {
-                columns: &pairs.columns,
-                strata: (0..pairs.strata.len()).map(stratum).collect::<Vec<_>>(),
-            })
-        }),
+        mean_over: (pairs.strata.len() > 1)
+            .then(|| { object!(MeanOver { columns: &pairs.columns, strata: strata.collect::<Vec<_>>() }) }),
         without_partner: pairs.without_partner,
         failed_pairs: object!(Failed { in_first, in_second, in_both }),
         metrics: judged.iter().map(|judged| metric(judged, *letter, pairs)).collect::<Vec<_>>(),
@@ -52,19 +49,19 @@ fn against_a(comparison: &Comparison, against: &ComparisonToA) -> impl Serialize
 }
 
 fn settings(settings: &SettingsDifference, letter: char, pairs: &Pairs) -> impl Serialize {
-    let difference = |Difference { key, values, strata }: &Difference| {
+    let differences = settings.differences.iter().map(|Difference { key, values, strata }| {
         object!(Setting {
             key: key.clone(),
             values: values.clone(),
             only_where: (!strata.is_empty())
                 .then(|| strata.iter().map(|&index| levels(pairs, index)).collect::<Vec<_>>())
         })
-    };
+    });
     let unknown = settings.unknown.iter().map(|(side, reason)| object!(UnknownSide { side, reason }));
     object!(Settings {
         sentence: settings.conclusion(letter),
         difference_is_the_planners: settings.is_the_planners(),
-        differences: settings.differences.iter().map(difference).collect::<Vec<_>>(),
+        differences: differences.collect::<Vec<_>>(),
         program_versions: &settings.program_versions,
         seeds: &settings.seeds,
         not_known: unknown.collect::<Vec<_>>(),

@@ -180,7 +180,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
     let mut against_a = Vec::new();
     for other in others {
         let pairs = Pairs::new(a, other)?;
-        let settings = SettingsDifference::between((a, settings_of(a)), (other, settings_of(other)), &pairs);
+        let settings = SettingsDifference::between([a, other], [settings_of(a), settings_of(other)], &pairs);
         let mut contrasts = Vec::new();
         let mut first_column = 0;
         for metric in &metrics {
@@ -229,13 +229,14 @@ fn summary(side: &Side<'_>) -> SideSummary {
 fn judged(against_a: Vec<Untested>) -> Vec<ComparisonToA> {
     let mut judged = judge(against_a.iter().flat_map(|against| against.contrasts.clone()).collect()).into_iter();
     let against_a = against_a.into_iter();
-    let of_side = |Untested { letter, settings, pairs, contrasts }: Untested| ComparisonToA {
-        letter,
-        settings,
-        pairs,
-        judged: judged.by_ref().take(contrasts.len()).collect(),
-    };
-    against_a.map(of_side).collect()
+    against_a
+        .map(|Untested { letter, settings, pairs, contrasts }| ComparisonToA {
+            letter,
+            settings,
+            pairs,
+            judged: judged.by_ref().take(contrasts.len()).collect(),
+        })
+        .collect()
 }
 
 /// Judges contrasts as one family: adjusts their p-values together, and those of all of their strata.
@@ -245,18 +246,23 @@ pub(crate) fn judge(contrasts: Vec<(Contrast, Option<ByStratum>)>) -> Vec<Judged
     let mut within =
         TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
     let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
-    let mut judge_strata = |ByStratum { by, contrasts, seeds, test }: ByStratum| JudgedStrata {
-        by,
-        strata: contrasts.into_iter().map(|(stratum, contrast)| (stratum, within.judge(contrast))).collect(),
-        seeds,
-        test,
-        p_adjusted: tests.next().flatten(),
-    };
     contrasts
         .into_iter()
         .map(|(contrast, by_stratum)| {
             let judged = overall.judge(contrast);
-            JudgedContrast { by_stratum: by_stratum.map(&mut judge_strata), ..judged }
+            JudgedContrast {
+                by_stratum: by_stratum.map(|ByStratum { by, contrasts, seeds, test }| JudgedStrata {
+                    by,
+                    strata: contrasts
+                        .into_iter()
+                        .map(|(stratum, contrast)| (stratum, within.judge(contrast)))
+                        .collect(),
+                    seeds,
+                    test,
+                    p_adjusted: tests.next().flatten(),
+                }),
+                ..judged
+            }
         })
         .collect()
 }
@@ -302,10 +308,9 @@ pub(crate) fn adjusted(p_values: impl Iterator<Item = Option<f64>>) -> Vec<Optio
 
 impl Verdict {
     fn from_p_values(p_value: Option<f64>, p_adjusted: Option<f64>) -> Self {
-        let is_evidence = |p: f64| p <= LEVEL;
         match (p_value, p_adjusted) {
-            (Some(_), Some(adjusted)) if is_evidence(adjusted) => Self::Difference,
-            (Some(alone), _) if is_evidence(alone) => Self::NotAmongSoMany,
+            (Some(_), Some(adjusted)) if adjusted <= LEVEL => Self::Difference,
+            (Some(alone), _) if alone <= LEVEL => Self::NotAmongSoMany,
             (Some(_), _) => Self::NoEvidence,
             (None, _) => Self::Equal,
         }
@@ -345,14 +350,16 @@ impl JudgedContrast {
     /// Returns whether the strata say something else than the mean over them: there is evidence that they differ, or
     /// the difference on average is none, or another, in some.
     pub fn varies_by_stratum(&self) -> bool {
-        let is_like_this = |of_stratum: &JudgedContrast| {
-            let has_same_sign = of_stratum.contrast.difference.signum() == self.contrast.difference.signum();
-            of_stratum.verdict == Verdict::Difference && has_same_sign
-        };
         self.by_stratum.as_ref().is_some_and(|strata| {
-            let is_mixed = || !strata.strata.iter().all(|(_, of_stratum)| is_like_this(of_stratum));
-            strata.differ() || self.verdict == Verdict::Difference && is_mixed()
+            strata.differ()
+                || self.verdict == Verdict::Difference
+                    && !strata.strata.iter().all(|(_, of_stratum)| self.agrees_with_stratum(of_stratum))
         })
+    }
+
+    fn agrees_with_stratum(&self, of_stratum: &JudgedContrast) -> bool {
+        let has_same_sign = of_stratum.contrast.difference.signum() == self.contrast.difference.signum();
+        of_stratum.verdict == Verdict::Difference && has_same_sign
     }
 
     /// Returns what Wilcoxon's test adds where the means do not differ for sure.

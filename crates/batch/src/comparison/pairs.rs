@@ -91,8 +91,7 @@ impl Pairs {
 
     /// Returns the values of a stratum, one for each of [`Self::columns`].
     pub fn levels(&self, index: usize) -> &[String] {
-        let unfinished = || &self.unfinished_strata[index - self.strata.len()];
-        &self.strata.get(index).unwrap_or_else(unfinished).levels
+        &self.strata.get(index).unwrap_or_else(|| &self.unfinished_strata[index - self.strata.len()]).levels
     }
 
     /// Describes a stratum: `field.coverage 0.05, unimog.speed_mps 8`.
@@ -129,8 +128,8 @@ impl Pairs {
 /// Conditions that tell runs of one seed apart, on either side; what divides the sides is none.
 fn varying_columns(first: &Side<'_>, second: &Side<'_>) -> BTreeSet<String> {
     let varying = first.varying().into_iter().chain(second.varying());
-    let divides = |name: &str| first.divided_by == Some(name) || second.divided_by == Some(name);
-    varying.map(|condition| condition.name.clone()).filter(|name| !divides(name)).collect()
+    let names = varying.map(|condition| condition.name.clone());
+    names.filter(|name| ![first, second].iter().any(|side| side.divided_by == Some(name.as_str()))).collect()
 }
 
 /// The runs of a side by their keys; every key once.
@@ -140,19 +139,22 @@ fn keyed(
     numbers: &mut BTreeMap<Vec<String>, usize>,
 ) -> Result<Vec<(PairKey, usize)>, ComparisonError> {
     // In the order of the names: keys may be swept in another order on the other side.
-    let condition = |column: &String| side.table.conditions.iter().find(|it| it.name == *column);
-    let conditions: Vec<_> = columns.iter().filter_map(condition).collect();
+    let conditions: Vec<_> = columns
+        .iter()
+        .filter_map(|column| side.table.conditions.iter().find(|condition| condition.name == *column))
+        .collect();
     let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
-    let mut number = |run: usize| {
+    let mut keyed: Vec<(PairKey, usize)> = Vec::with_capacity(side.runs.len());
+    for &run in &side.runs {
+        // Texts of levels are compared once for each combination, not for each run.
         let indices: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
-        *index_of.entry(indices).or_insert_with(|| {
+        let number = *index_of.entry(indices).or_insert_with(|| {
             let next = numbers.len();
             let levels = conditions.iter().map(|condition| condition.level_of(run).to_owned()).collect();
             *numbers.entry(levels).or_insert(next)
-        })
-    };
-    let mut keyed: Vec<(PairKey, usize)> =
-        side.runs.iter().map(|&run| ((side.table.seeds[run], number(run)), run)).collect();
+        });
+        keyed.push(((side.table.seeds[run], number), run));
+    }
     keyed.sort_unstable();
     match keyed.windows(2).find(|both| both[0].0 == both[1].0) {
         Some(both) => Err(ComparisonError::SeedTwice { path: side.table.path.clone(), seed: both[0].0.0 }),

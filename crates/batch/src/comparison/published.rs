@@ -101,15 +101,15 @@ fn numbers(side: &Side<'_>, pairs: &Pairs, column: usize) -> Vec<f64> {
 }
 
 fn states(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedState> {
-    let state = |(index, (name, _, column)): (usize, (&'static str, &str, usize))| {
+    let states = STATES.into_iter().enumerate().filter_map(|(index, (name, _, column))| {
         let published = Series::from_values(&OBSTACLES.map(|run| run[column] / run[0]));
         let numbers = numbers(side, pairs, index);
         let batch = Series::from_values(&numbers);
         let (five_runs, as_far) = of_five_runs(&numbers, published.mean()?, name)?;
         let difference = welch_interval(&published, &batch);
         Some(PublishedState { name, published, batch, difference, five_runs, as_far })
-    };
-    STATES.into_iter().enumerate().filter_map(state).collect()
+    });
+    states.collect()
 }
 
 /// Returns the interval of means of five runs, and the share of them that is as far off as the published one; `None`
@@ -117,8 +117,9 @@ fn states(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedState> {
 fn of_five_runs(numbers: &[f64], published: f64, name: &str) -> Option<(Interval, f64)> {
     let mean = Series::from_values(numbers).mean()?;
     let random = &mut rng::stream(1, &format!("report/{name}"));
-    let mut draw = || numbers[random.random_range(0..numbers.len())];
-    let mut means: Vec<f64> = (0..DRAWS).map(|_| (0..RUNS).map(|_| draw()).sum::<f64>() / RUNS as f64).collect();
+    let mut means: Vec<f64> = (0..DRAWS)
+        .map(|_| (0..RUNS).map(|_| numbers[random.random_range(0..numbers.len())]).sum::<f64>() / RUNS as f64)
+        .collect();
     means.sort_unstable_by(f64::total_cmp);
     let far = means.iter().filter(|&&of_five| (of_five - mean).abs() >= (published - mean).abs()).count();
     let interval = Interval { low: quantile(&means, 0.025)?, high: quantile(&means, 0.975)? };
@@ -126,9 +127,9 @@ fn of_five_runs(numbers: &[f64], published: f64, name: &str) -> Option<(Interval
 }
 
 fn times(side: &Side<'_>, pairs: &Pairs) -> Vec<PublishedTime> {
-    let time = |(index, (name, _, published)): (usize, (&'static str, &str, [f64; RUNS]))| {
+    let times = CPU_TIMES.into_iter().enumerate().filter_map(|(index, (name, _, published))| {
         let batch = Series::from_values(&numbers(side, pairs, STATES.len() + index));
         Some(PublishedTime { name, published_s: Series::from_values(&published).mean()?, batch_s: batch.mean()? })
-    };
-    CPU_TIMES.into_iter().enumerate().filter_map(time).collect()
+    });
+    times.collect()
 }

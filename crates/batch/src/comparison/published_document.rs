@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use serde_json::json;
 
-use crate::comparison::{PublishedComparison, PublishedState, PublishedTime};
+use crate::comparison::{PublishedComparison, PublishedState};
 use crate::plan::PROGRAM_VERSION;
 use wildfire_base::document::number::{optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Table};
@@ -41,7 +41,7 @@ impl From<&PublishedComparison> for Document {
 
 fn means(states: &[PublishedState]) -> Table {
     let headings = ["State", "Published", "sd", "Batch", "sd", "Difference", "95% low", "95% high"];
-    let row = |state: &PublishedState| {
+    let rows = states.iter().map(|state| {
         let numbers = [
             state.published.mean(),
             state.published.standard_deviation(),
@@ -52,18 +52,18 @@ fn means(states: &[PublishedState]) -> Table {
             state.difference.map(|interval| interval.high),
         ];
         [state.name.to_owned()].into_iter().chain(numbers.map(|number| optional(number, 3))).collect()
-    };
-    Table::new(&headings, states.iter().map(row).collect())
+    });
+    Table::new(&headings, rows.collect())
 }
 
 fn five_runs(states: &[PublishedState]) -> Table {
     let headings = ["State", "Published", "95% low", "95% high", "As far"];
-    let row = |state: &PublishedState| {
+    let rows = states.iter().map(|state| {
         let published = optional(state.published.mean(), 3);
         let [low, high] = [state.five_runs.low, state.five_runs.high].map(|end| rounded(end, 3));
         vec![state.name.into(), published, low, high, probability(state.as_far)]
-    };
-    Table::new(&headings, states.iter().map(row).collect())
+    });
+    Table::new(&headings, rows.collect())
 }
 
 fn verdict(state: &PublishedState) -> String {
@@ -74,17 +74,17 @@ fn verdict(state: &PublishedState) -> String {
 }
 
 fn times(beside: &PublishedComparison) -> Table {
-    let row = |time: &PublishedTime| {
+    let rows = beside.times.iter().map(|time| {
         let ratio = time.published_s / time.batch_s;
         let ratio = if ratio.is_finite() && ratio > 0.0 { rounded(ratio, two_digits(ratio)) } else { "-".into() };
         vec![time.name.into(), rounded(time.published_s, 3), rounded(time.batch_s, 6), ratio]
-    };
-    Table::new(&["Part", "Published", "Batch", "Ratio"], beside.times.iter().map(row).collect())
+    });
+    Table::new(&["Part", "Published", "Batch", "Ratio"], rows.collect())
 }
 
 impl Serialize for PublishedComparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let state = |state: &PublishedState| {
+        let states = self.states.iter().map(|state| {
             json!({
                 "state": state.name,
                 "published_mean": state.published.mean(),
@@ -95,12 +95,12 @@ impl Serialize for PublishedComparison {
                 "five_runs_95": [state.five_runs.low, state.five_runs.high],
                 "five_runs_as_far": state.as_far,
             })
-        };
+        });
         let times = self.times.iter();
         let object = json!({
             "program_version": PROGRAM_VERSION,
             "batch": { "description": self.batch.description, "runs": self.batch.runs, "failed": self.batch.failed },
-            "states": self.states.iter().map(state).collect::<Vec<_>>(),
+            "states": states.collect::<Vec<_>>(),
             "cpu": times
                 .map(|time| json!({ "part": time.name, "published_s": time.published_s, "batch_s": time.batch_s }))
                 .collect::<Vec<_>>(),

@@ -48,8 +48,8 @@ impl FromStr for Amount {
         let trimmed = text.trim();
         let end = trimmed.find(|letter: char| !(letter.is_ascii_digit() || "+-.".contains(letter)));
         let (number, symbol) = trimmed.split_at(end.unwrap_or(trimmed.len()));
-        let expected = || "expected a number above 0, and a unit or none: 1, 5 ms, 2 %, 0.5 m".to_owned();
-        let value: f64 = number.parse().map_err(|_| expected())?;
+        let expected = "expected a number above 0, and a unit or none: 1, 5 ms, 2 %, 0.5 m";
+        let value: f64 = number.parse().map_err(|_| expected)?;
         let found = UNITS.into_iter().find(|(found, ..)| *found == symbol.trim());
         let (_, unit, factor) = found.ok_or_else(|| {
             format!(
@@ -58,7 +58,7 @@ impl FromStr for Amount {
             )
         })?;
         if !(value > 0.0 && value <= 1e12) {
-            return Err(expected());
+            return Err(expected.to_owned());
         }
         Ok(Self {
             text: trimmed.to_owned(),
@@ -126,8 +126,7 @@ impl Comparison {
         let metrics = || self.against_a.iter().flat_map(|against| &against.judged);
         for (option, amount) in [("--power", &questions.power), ("--equivalent", &questions.equivalent)] {
             let Some(amount) = amount else { continue };
-            let goes_with = |unit: Unit| amount.of(unit).is_some();
-            if metrics().next().is_some() && !metrics().any(|it| goes_with(it.contrast.metric.about.unit)) {
+            if metrics().next().is_some() && !metrics().any(|it| amount.of(it.contrast.metric.about.unit).is_some()) {
                 let mut units: Vec<String> = metrics()
                     .map(|judged| &judged.contrast.metric)
                     .map(|metric| match metric.about.unit {

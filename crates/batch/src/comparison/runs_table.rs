@@ -112,8 +112,9 @@ impl RunsTable {
         let mut queries = Vec::new();
         let mut numbers = Vec::new();
         let mut impossible = BTreeMap::new();
-        let reason = |(place, name): (usize, &String)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()));
-        let reasons: Vec<(usize, String)> = table.columns().iter().enumerate().filter_map(reason).collect();
+        let columns = table.columns().iter().enumerate();
+        let reasons: Vec<(usize, String)> =
+            columns.filter_map(|(place, name)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()))).collect();
         let mut failures: Vec<(String, Vec<u64>)> =
             reasons.iter().map(|(_, name)| (name.clone(), Vec::new())).collect();
         while table.next_row()? {

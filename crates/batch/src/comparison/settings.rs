@@ -75,7 +75,19 @@ impl RecordedSettings {
 
 /// Finds the variant that has the conditions of a run.
 fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<usize, String> {
-    let value_of = |variant: &RecordedVariant, column: &str| match column {
+    let mut found = plan.variants.iter().enumerate().filter(|(_, variant)| {
+        let mut conditions = table.conditions.iter();
+        conditions.all(|condition| value_of(plan, variant, &condition.name).as_deref() == Some(condition.level_of(run)))
+    });
+    let (first, variant) = found.next().ok_or_else(|| format!("{PLAN_FILE} does not go with {}", shown_path(table)))?;
+    if found.any(|(_, other)| other.scenario != variant.scenario) {
+        return Err(format!("{PLAN_FILE} has several scenarios for the same runs of {}", shown_path(table)));
+    }
+    Ok(first)
+}
+
+fn value_of(plan: &RecordedPlan, variant: &RecordedVariant, column: &str) -> Option<String> {
+    match column {
         "scenario" => Some(variant.name.clone()),
         "planner" => Some(variant.planner.clone()),
         "policy" => Some(variant.policy.clone()),
@@ -83,17 +95,7 @@ fn variant_of_run(plan: &RecordedPlan, table: &RunsTable, run: usize) -> Result<
             let place = plan.swept_keys.iter().position(|swept| swept == key)?;
             Some(variant.swept.get(place)?.to_string())
         }
-    };
-    let is_it = |variant: &&RecordedVariant| {
-        let mut conditions = table.conditions.iter();
-        conditions.all(|condition| value_of(variant, &condition.name).as_deref() == Some(condition.level_of(run)))
-    };
-    let mut found = plan.variants.iter().enumerate().filter(|(_, variant)| is_it(variant));
-    let (first, variant) = found.next().ok_or_else(|| format!("{PLAN_FILE} does not go with {}", shown_path(table)))?;
-    if found.any(|(_, other)| other.scenario != variant.scenario) {
-        return Err(format!("{PLAN_FILE} has several scenarios for the same runs of {}", shown_path(table)));
     }
-    Ok(first)
 }
 
 impl RecordedSettings {
@@ -113,20 +115,14 @@ fn shown_path(table: &RunsTable) -> String {
 
 impl SettingsDifference {
     /// Compares the settings of planned pairs of runs of both sides, each side with the settings of its table.
-    pub fn between(
-        (first, ours): (&Side<'_>, &Result<RecordedSettings, String>),
-        (second, theirs): (&Side<'_>, &Result<RecordedSettings, String>),
-        pairs: &Pairs,
-    ) -> Self {
-        let seeds = [first, second].map(seeds_of);
+    pub fn between(sides: [&Side<'_>; 2], settings: [&Result<RecordedSettings, String>; 2], pairs: &Pairs) -> Self {
+        let seeds = sides.map(seeds_of);
         let seeds = (seeds[0] != seeds[1]).then_some(seeds);
-        let [ours, theirs] = match (ours, theirs) {
-            (Ok(ours), Ok(theirs)) => [ours, theirs],
-            (ours, theirs) => {
-                let reason = |side: &Side<'_>, settings: &Result<RecordedSettings, String>| {
-                    settings.as_ref().err().map(|reason| (side.letter, reason.clone()))
-                };
-                let unknown = reason(first, ours).into_iter().chain(reason(second, theirs)).collect();
+        let [ours, theirs] = match settings {
+            [Ok(ours), Ok(theirs)] => [ours, theirs],
+            [ours, theirs] => {
+                let reasons = [reason_unknown(sides[0], ours), reason_unknown(sides[1], theirs)];
+                let unknown = reasons.into_iter().flatten().collect();
                 return Self { unknown, seeds, ..Self::default() };
             }
         };
@@ -142,13 +138,9 @@ impl SettingsDifference {
     /// Returns whether the planner of the trucks is the only difference.
     pub fn is_the_planners(&self) -> bool {
         let (_, planner) = PLANNER_KEY.split_once('.').expect("it is a key of the trucks");
-        let is_planner = |key: &str| {
-            let mut steps = key.split('.');
-            steps.next() == PLANNER_KEY.split('.').next() && steps.next_back() == Some(planner) && steps.count() <= 1
-        };
         self.is_recorded_and_of_one_version()
             && self.effective().next().is_some()
-            && self.effective().all(|difference| is_planner(&difference.key))
+            && self.effective().all(|difference| is_planner_key(&difference.key, planner))
     }
 
     fn is_recorded_and_of_one_version(&self) -> bool {
@@ -202,6 +194,15 @@ impl SettingsDifference {
     }
 }
 
+fn is_planner_key(key: &str, planner: &str) -> bool {
+    let mut steps = key.split('.');
+    steps.next() == PLANNER_KEY.split('.').next() && steps.next_back() == Some(planner) && steps.count() <= 1
+}
+
+fn reason_unknown(side: &Side<'_>, settings: &Result<RecordedSettings, String>) -> Option<(char, String)> {
+    settings.as_ref().err().map(|reason| (side.letter, reason.clone()))
+}
+
 /// Words a value that a scenario may not have.
 pub(super) fn value_text(value: &Option<Json>) -> String {
     match value {
@@ -232,10 +233,7 @@ fn differences(ours: &RecordedSettings, theirs: &RecordedSettings, pairs: &Pairs
     }
     let mut found: Vec<Difference> = Vec::new();
     for ((our_variant, their_variant), strata) in compared {
-        let json = |settings: &RecordedSettings, variant: usize| -> Json {
-            serde_json::from_str(&settings.plan.variants[variant].scenario).expect("it was written as JSON")
-        };
-        let scenarios = [json(ours, our_variant), json(theirs, their_variant)];
+        let scenarios = [scenario_json(ours, our_variant), scenario_json(theirs, their_variant)];
         for (key, values) in merged(scenarios.each_ref()) {
             match found.iter_mut().find(|difference| difference.key == key && difference.values == values) {
                 Some(difference) => difference.strata.extend(&strata),
@@ -251,6 +249,10 @@ fn differences(ours: &RecordedSettings, theirs: &RecordedSettings, pairs: &Pairs
         }
     }
     found
+}
+
+fn scenario_json(settings: &RecordedSettings, variant: usize) -> Json {
+    serde_json::from_str(&settings.plan.variants[variant].scenario).expect("it was written as JSON")
 }
 
 /// Returns the differences of two scenarios; one that all agents of a list share is given once, for the list.

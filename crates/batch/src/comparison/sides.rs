@@ -127,11 +127,11 @@ fn parts<'a>(
         let value = visible_start(&by.levels[only as usize]);
         return Err(ComparisonError::OneLevel { path: table.path.clone(), column, value });
     }
-    let part = |level| {
+    let parts = levels.into_iter().map(|level| {
         let runs = whole.runs.iter().copied().filter(|&run| by.of_run[run] == level).collect();
         Side { letter: 'A', table, runs, divided_by: Some(&by.name) }
-    };
-    Ok(levels.into_iter().map(part).collect())
+    });
+    Ok(parts.collect())
 }
 
 fn the_varying_condition<'a>(table: &'a RunsTable, selection: &Selection) -> Result<&'a RunCondition, ComparisonError> {

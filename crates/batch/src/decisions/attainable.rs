@@ -38,36 +38,45 @@ pub struct HindsightBound {
 /// The cells of trucks that decide at a time; one for each instant.
 pub type Answers = BTreeMap<SimTime, (AgentId, Cell)>;
 
-/// Searches for answers with which a run loses less, with at most `budget` runs of at most `choices` choices a decision.
+/// Runs that a search may play.
+#[derive(Clone, Copy, Debug)]
+pub struct HindsightBudget {
+    /// Choices that are tried at each decision, the nearest first.
+    pub choices: usize,
+    pub runs: u32,
+}
+
+/// Searches for answers with which a run loses less.
 ///
 /// All sequences of choices of a single truck are played if the budget is enough for them.
 ///
 /// # Errors
 /// If the run cannot take place or cannot be forked.
 pub fn attain(
-    (scenario, seed): (&Scenario, u64),
+    scenario: &Scenario,
+    seed: u64,
     options: &RunOptions,
-    (choices, budget): (usize, u32),
+    budget: HindsightBudget,
 ) -> Result<HindsightBound, RunError> {
     let start = Simulation::with(scenario, seed, options)?;
     if scenario.unimog.len() == 1
-        && let Some(best) = exhaust(&start, (choices, budget))?
+        && let Some(best) = exhaust(&start, budget)?
     {
         return Ok(best);
     }
-    improve(&start, (choices, budget))
+    improve(&start, budget)
 }
 
 /// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
-fn exhaust(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Option<HindsightBound>, RunError> {
-    let mut tree = DecisionTree { choices, left: budget, best: None };
+fn exhaust(start: &Simulation, budget: HindsightBudget) -> Result<Option<HindsightBound>, RunError> {
+    let mut tree = DecisionTree { choices: budget.choices, left: budget.runs, best: None };
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
     }
     let first_lost = played(start, false)?.lost();
     let (best, answers) = tree.best.expect("the run itself was played");
     let attainable = best.lost();
-    let runs = budget - tree.left;
+    let runs = budget.runs - tree.left;
     Ok(Some(HindsightBound {
         lost: first_lost,
         attainable,
@@ -132,13 +141,13 @@ impl DecisionTree {
 }
 
 /// Goes through decisions by time, and keeps every answer that loses less.
-fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<HindsightBound, RunError> {
+fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound, RunError> {
     let mut search = HindsightSearch {
         before: start.fork()?,
         fork: start.fork()?,
         answers: Answers::new(),
         answered: None,
-        left: budget,
+        left: budget.runs,
     };
     let mut decisions = search.play(None)?;
     let lost = search.fork.lost();
@@ -155,7 +164,8 @@ fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Hindsi
             if taken.is_some_and(|(other, _)| other != agent.id) {
                 continue;
             }
-            for cell in nearest_options(&decision, search.before.fires().frame(), None).into_iter().take(choices) {
+            for cell in nearest_options(&decision, search.before.fires().frame(), None).into_iter().take(budget.choices)
+            {
                 if Some((agent.id, cell)) == taken || Action::Go(cell) == decision.choice || search.left == 0 {
                     continue;
                 }
@@ -185,28 +195,29 @@ fn improve(start: &Simulation, (choices, budget): (usize, u32)) -> Result<Hindsi
         lost,
         attainable: before.lost(),
         answers,
-        runs: budget - left,
+        runs: budget.runs - left,
         is_exact: false,
         timeline: before.finish().timeline,
     })
 }
 
-/// Searches likewise for each of some seeds, and calls `on_seed` after each.
+/// Searches likewise for each of some seeds, in their order, and calls `on_seed` after each.
 ///
 /// # Errors
 /// As [`attain`].
 pub fn attain_all(
-    (scenario, seeds): (&Scenario, &[u64]),
+    scenario: &Scenario,
+    seeds: &[u64],
     options: &RunOptions,
-    how: (usize, u32),
+    budget: HindsightBudget,
     on_seed: impl Fn() + Sync,
-) -> Result<Vec<(u64, HindsightBound)>, RunError> {
+) -> Result<Vec<HindsightBound>, RunError> {
     seeds
         .par_iter()
         .map(|&seed| {
-            let attained = attain((scenario, seed), options, how)?;
+            let attained = attain(scenario, seed, options, budget)?;
             on_seed();
-            Ok((seed, attained))
+            Ok(attained)
         })
         .collect()
 }
@@ -285,14 +296,17 @@ mod tests {
         let (mut of_search, mut of_all, mut lost) = (0, 0, 0);
         for seed in 1..=8 {
             let start = fires_in_a_row(seed);
-            let all = exhaust(&start, (8, 100_000)).expect("it is played").expect("the tree is small");
-            let found = improve(&start, (8, 300)).expect("it is played");
+            let all = exhaust(&start, HindsightBudget { choices: 8, runs: 100_000 })
+                .expect("it is played")
+                .expect("the tree is small");
+            let found = improve(&start, HindsightBudget { choices: 8, runs: 300 }).expect("it is played");
             assert!(
                 all.is_exact && all.attainable <= found.attainable && found.attainable <= found.lost,
                 "seed {seed}"
             );
             assert_eq!((all.lost, all.attainable as u32), (found.lost, Outcome::new(&all.timeline).burned()));
-            assert!(exhaust(&start, (8, all.runs - 1)).expect("it is played").is_none(), "one run less is too few");
+            let one_less = HindsightBudget { choices: 8, runs: all.runs - 1 };
+            assert!(exhaust(&start, one_less).expect("it is played").is_none(), "one run less is too few");
             (lost, of_search, of_all) = (lost + all.lost, of_search + found.attainable, of_all + all.attainable);
         }
         assert!(of_all < lost, "there is something to gain: {of_all} of {lost}");
@@ -305,16 +319,19 @@ mod tests {
             let changes = [vec!["duration_s=200".to_owned()], changes].concat();
             let scenario = scenario::load("fleet", &changes).expect("the preset loads");
             let options = RunOptions::default();
-            let attained = attain((&scenario, 3), &options, (3, 60)).expect("it takes place");
+            let attained =
+                attain(&scenario, 3, &options, HindsightBudget { choices: 3, runs: 60 }).expect("it takes place");
             let played_run = wildfire_sim::run(&scenario, 3).expect("it takes place").timeline;
             assert_eq!(attained.lost as u32, Outcome::new(&played_run).burned());
             assert_eq!(attained.attainable as u32, Outcome::new(&attained.timeline).burned());
             assert!(attained.attainable < attained.lost && attained.runs <= 60 && !attained.answers.is_empty());
             assert!(wildfire_audit::audit_timeline(&attained.timeline, Default::default()).violation.is_none());
-            let again = attain((&scenario, 3), &options, (3, 60)).expect("it takes place");
+            let again =
+                attain(&scenario, 3, &options, HindsightBudget { choices: 3, runs: 60 }).expect("it takes place");
             assert_eq!(again.timeline, attained.timeline);
             // Fewer runs find no better one.
-            let fewer = attain((&scenario, 3), &options, (3, 20)).expect("it takes place");
+            let fewer =
+                attain(&scenario, 3, &options, HindsightBudget { choices: 3, runs: 20 }).expect("it takes place");
             assert!(fewer.attainable >= attained.attainable);
         }
     }

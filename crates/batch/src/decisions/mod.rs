@@ -13,7 +13,7 @@ mod futures;
 mod table;
 mod why;
 
-pub use attainable::{Answers, HindsightBound, attain, attain_all};
+pub use attainable::{Answers, HindsightBound, HindsightBudget, attain, attain_all};
 pub use futures::{AlternativeAction, DecisionValue, JudgeProgress, SelectedDecisions};
 pub use table::{DECISION_COLUMNS, DecisionTally, JudgeError, judge_batch};
 pub use why::WhyReport;

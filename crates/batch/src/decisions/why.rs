@@ -42,16 +42,15 @@ fn went(worth: &DecisionValue) -> String {
 }
 
 fn bushes(choice: &AlternativeAction) -> String {
-    let size = |bushes: f64| rounded(bushes, 1);
     let sign = if choice.mean < 0.0 { -1.0 } else { 1.0 };
     let about = match choice.interval {
         Some(Interval { low, high }) => {
             let [one, other] = [sign * low, sign * high];
-            format!("95 % {} to {}", size(one.min(other)), size(one.max(other)))
+            format!("95 % {} to {}", rounded(one.min(other), 1), rounded(one.max(other), 1))
         }
         None => format!("in each of {} futures", choice.gains.len()),
     };
-    format!("{} bushes ({about})", size(sign * choice.mean))
+    format!("{} bushes ({about})", rounded(sign * choice.mean, 1))
 }
 
 impl WhyReport {
@@ -65,7 +64,6 @@ impl WhyReport {
 
     /// Lists the decisions that cost something, the worst first.
     pub fn mistakes(&self) -> Vec<&DecisionValue> {
-        let cost = |worth: &&DecisionValue| worth.better().map_or(0.0, |better| better.mean);
         let mut mistakes: Vec<&DecisionValue> = self.worths.iter().filter(|worth| worth.better().is_some()).collect();
         mistakes.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         mistakes
@@ -95,16 +93,11 @@ impl WhyReport {
                 place(better.cell)
             ));
         }
-        let were = |worths: &[&DecisionValue], what: [&str; 2]| match worths.len() {
-            0 => format!("none was {}", what[0]),
-            1 => format!("1 was {}", what[0]),
-            several => format!("{several} were {}", what[1]),
-        };
         sentences.push(format!(
             "Of {}, {} and {}; for the others no alternative is significantly better or worse.",
             count(worths.len(), "decision"),
-            were(&mistakes, ["a mistake", "mistakes"]),
-            were(&good, ["clearly best", "clearly best"])
+            count_that_were(&mistakes, ["a mistake", "mistakes"]),
+            count_that_were(&good, ["clearly best", "clearly best"])
         ));
         let best = worths.iter().filter_map(|worth| worth.others.first()).map(|best| best.mean.max(0.0)).sum::<f64>();
         let best = best / worths.len() as f64;
@@ -119,7 +112,7 @@ impl WhyReport {
     fn table(&self) -> Table {
         let mut ranked: Vec<&DecisionValue> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
         ranked.sort_by(|a, b| b.others[0].mean.total_cmp(&a.others[0].mean));
-        let row = |worth: &&DecisionValue| {
+        let rows = ranked.iter().take(LISTED).map(|worth| {
             let best = &worth.others[0];
             let verdict = match (worth.better().is_some(), worth.all_worse().is_some()) {
                 (true, _) => "mistake",
@@ -140,11 +133,22 @@ impl WhyReport {
                 probability(best.p_adjusted),
                 best.gains.len().to_string(),
             ]
-        };
-        let rows = ranked.iter().take(LISTED).map(row).collect();
+        });
         let headings = ["Agent", "Went to", "Best other", "", "t [s]", "Gain", "95 %", "p", "Futures"];
-        Table { text_columns: 4, ..Table::new(&headings, rows) }
+        Table { text_columns: 4, ..Table::new(&headings, rows.collect()) }
     }
+}
+
+fn count_that_were(worths: &[&DecisionValue], what: [&str; 2]) -> String {
+    match worths.len() {
+        0 => format!("none was {}", what[0]),
+        1 => format!("1 was {}", what[0]),
+        several => format!("{several} were {}", what[1]),
+    }
+}
+
+fn cost(worth: &DecisionValue) -> f64 {
+    worth.better().map_or(0.0, |better| better.mean)
 }
 
 impl From<&WhyReport> for Document {
@@ -166,26 +170,27 @@ impl From<&WhyReport> for Document {
 
 impl Serialize for WhyReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let cell = |cell: Cell| [cell.col, cell.row];
-        let choice = |choice: &AlternativeAction| {
-            let AlternativeAction { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
-            object!(Action { cell: cell(choice.cell), mean, interval, p_value, p_adjusted, gains })
-        };
-        let decision = |worth: &DecisionValue| {
-            object!(Decision {
-                t_s: worth.decision.time.as_seconds(),
-                agent: worth.decision.agent.id.to_string(),
-                x_m: worth.decision.agent.place.x,
-                y_m: worth.decision.agent.place.y,
-                chosen: worth.selected.map(cell),
-                options: worth.decision.options.len(),
-                is_mistake: worth.better().is_some(),
-                is_good: worth.all_worse().is_some(),
-                others: worth.others.iter().map(choice).collect::<Vec<_>>(),
-            })
-        };
         let Self { scenario, seed, lost, bushes, worths } = self;
-        let decisions = worths.iter().map(decision).collect::<Vec<_>>();
+        let decisions = worths.iter().map(decision_members).collect::<Vec<_>>();
         object!(Why { scenario, seed, lost, bushes, decisions }).serialize(serializer)
     }
+}
+
+fn decision_members(worth: &DecisionValue) -> impl Serialize {
+    object!(Decision {
+        t_s: worth.decision.time.as_seconds(),
+        agent: worth.decision.agent.id.to_string(),
+        x_m: worth.decision.agent.place.x,
+        y_m: worth.decision.agent.place.y,
+        chosen: worth.selected.map(|cell| [cell.col, cell.row]),
+        options: worth.decision.options.len(),
+        is_mistake: worth.better().is_some(),
+        is_good: worth.all_worse().is_some(),
+        others: worth.others.iter().map(action_members).collect::<Vec<_>>(),
+    })
+}
+
+fn action_members(choice: &AlternativeAction) -> impl Serialize {
+    let AlternativeAction { mean, interval, p_value, p_adjusted, gains, .. } = choice.clone();
+    object!(Action { cell: [choice.cell.col, choice.cell.row], mean, interval, p_value, p_adjusted, gains })
 }

@@ -53,12 +53,11 @@ impl<'a> DriveAudit<'a> {
         let on_the_way = audited.err().map(|violation| violation.to_string());
         let start = trajectory.start();
         let end = trajectory.end();
-        let at_the_ends = || {
+        on_the_way.or_else(|| {
             let start = missed(Goal::Pose(self.start), start, self.checker.body());
             let end = missed(goal, end, self.checker.body());
             start.map(|by| format!("it begins {by} away from the start")).or(end.map(|by| format!("it ends {by} away")))
-        };
-        on_the_way.or_else(at_the_ends)
+        })
     }
 }
 

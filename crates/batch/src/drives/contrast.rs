@@ -58,12 +58,9 @@ impl DriveContrast {
 }
 
 fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveContrast> {
-    let by_goal = |name: &str| -> BTreeMap<(&str, usize), &DriveQuery> {
-        rows.iter().filter(|row| &*row.planner == name).map(|row| ((&*row.field, row.goal), row)).collect()
-    };
-    let theirs = by_goal(against);
+    let theirs = by_goal(rows, against);
     let pairs: Vec<[&DriveQuery; 2]> =
-        by_goal(planner).into_iter().filter_map(|(goal, row)| Some([*theirs.get(&goal)?, row])).collect();
+        by_goal(rows, planner).into_iter().filter_map(|(goal, row)| Some([*theirs.get(&goal)?, row])).collect();
     let contrast = |metric: &'static str, heading, kind, numbers: &[[f64; 2]]| {
         // The name tells the random stream of its bootstrap.
         let relative = Metric::unknown(format!("{planner}/{against}/{metric}"), kind);
@@ -96,12 +93,16 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     success.into_iter().chain(figures).collect()
 }
 
+fn by_goal<'a>(rows: &'a [DriveQuery], name: &str) -> BTreeMap<(&'a str, usize), &'a DriveQuery> {
+    rows.iter().filter(|row| &*row.planner == name).map(|row| ((&*row.field, row.goal), row)).collect()
+}
+
 /// Returns the table of contrasts of two planners.
 pub fn contrast_table(pair: &[DriveContrast]) -> Table {
     let ours = visible_start(&pair[0].planner);
     let theirs = visible_start(&pair[0].against);
     let headings = ["Figure", "Goals", &ours, &theirs, "Differ-\nence", "95% low", "95% high", "p"];
-    let row = |row: &DriveContrast| {
+    let rows = pair.iter().map(|row| {
         let width = row.low.zip(row.high).map_or(row.difference.abs(), |(low, high)| 0.5 * (high - low));
         // Where nothing differs there is no uncertainty to show.
         let decimals = if width > 0.0 { two_digits(width).min(4) } else { 3 };
@@ -115,6 +116,6 @@ pub fn contrast_table(pair: &[DriveContrast]) -> Table {
             optional(row.high, decimals),
             row.p.map_or_else(|| "-".into(), probability),
         ]
-    };
-    Table::new(&headings, pair.iter().map(row).collect())
+    });
+    Table::new(&headings, rows.collect())
 }

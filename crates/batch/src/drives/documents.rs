@@ -139,7 +139,7 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
         "Clear.\nmedian\nm",
         "95 %",
     ];
-    let row = |summary: &PlannerSummary| {
+    let rows = summaries.iter().map(|summary| {
         let percent = scaled(summary.solved_share(), 100.0);
         let mut cells = vec![shortened(&summary.planner, LONGEST_PLANNER), summary.solved.to_string()];
         cells.extend(cells_of(Some(percent), 0).into_iter().skip(1));
@@ -147,7 +147,7 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
         cells.extend(median_cells(summary, &CPU_QUERY, |ms| if ms < 10.0 { 2 } else { usize::from(ms < 100.0) }));
         cells.extend(median_cells(summary, &CLEARANCE, |metres| if metres < 10.0 { 2 } else { 1 }));
         cells
-    };
+    });
     let counts: Vec<u64> = summaries.iter().map(|summary| summary.queries).collect();
     let of_each = match counts.as_slice() {
         [first, others @ ..] if others.iter().all(|other| other == first) => {
@@ -157,7 +157,7 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
     };
     let title = drives.title(summaries[0].variant);
     let caption = if title.is_empty() { of_each } else { format!("{title}: {of_each}") };
-    Table::new(&headings, summaries.iter().map(row).collect()).with_caption(&caption)
+    Table::new(&headings, rows.collect()).with_caption(&caption)
 }
 
 fn median_cells(summary: &PlannerSummary, measure: &Measure, decimals: fn(f64) -> usize) -> [String; 2] {
@@ -172,8 +172,8 @@ fn scaled(Estimate { value, interval }: Estimate, factor: f64) -> Estimate {
 /// An estimate and its interval; dashes for what is not there.
 fn cells_of(estimate: Option<Estimate>, decimals: usize) -> [String; 2] {
     let interval = estimate.and_then(|estimate| estimate.interval);
-    let range = |(low, high)| format!("{}-{}", rounded(low, decimals), rounded(high, decimals));
-    [optional(estimate.map(|estimate| estimate.value), decimals), interval.map_or_else(|| "-".into(), range)]
+    let range = interval.map(|(low, high)| format!("{}-{}", rounded(low, decimals), rounded(high, decimals)));
+    [optional(estimate.map(|estimate| estimate.value), decimals), range.unwrap_or_else(|| "-".into())]
 }
 
 /// Returns a number of queries in words.
@@ -189,12 +189,12 @@ pub fn failure_sentences(drives: &DriveTable) -> Vec<String> {
             found.entry((&row.planner, failure)).or_insert((row, 0)).1 += 1;
         }
     }
-    let sentence = |((planner, failure), (first, times)): (&(&str, DriveFailure), &(&DriveQuery, usize))| {
+    let sentences = found.iter().map(|((planner, failure), (first, times))| {
         let message = first.message.as_ref().map_or(String::new(), |message| format!(": {message}"));
         let times = if *times == 1 { String::new() } else { format!(" {times} times, first") };
         format!("{}: {failure}{times} {}{message}.", visible_start(planner), place(drives, first))
-    };
-    found.iter().map(sentence).collect()
+    });
+    sentences.collect()
 }
 
 /// Returns the first violations, and the number of others.

@@ -73,9 +73,10 @@ const ALL_PLANNERS: &str = "all";
 /// Returns the planners of these names without duplicates, or the first truck's planner.
 pub fn requested_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<PlannerName> {
     let default_planner = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone());
-    let all = || TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned());
     let named = names.iter().flat_map(|name| match name.name() {
-        ALL_PLANNERS => all().collect(),
+        ALL_PLANNERS => {
+            TruckPlannerKind::ALL.map(PlannerName::from).into_iter().chain(scenario.planner.keys().cloned()).collect()
+        }
         _ => vec![name.clone()],
     });
     let mut planners = Vec::new();
@@ -93,8 +94,8 @@ pub fn expect_planners_exist(
     scenario: &Scenario,
     planners: &[PlannerName],
 ) -> Result<(), DriveError> {
-    let exists = |name: &PlannerName| registry.planners.knows(name) || scenario.planner.contains_key(name);
-    let Some(unknown) = planners.iter().find(|name| !exists(name)) else { return Ok(()) };
+    let mut unregistered = planners.iter().filter(|name| !registry.planners.knows(name));
+    let Some(unknown) = unregistered.find(|name| !scenario.planner.contains_key(*name)) else { return Ok(()) };
     let tables = scenario.planner.keys().map(PlannerName::name);
     let valid = TruckPlannerKind::ALL.map(TruckPlannerKind::name).into_iter().chain(tables).map(str::to_owned);
     Err(DriveError::UnknownPlanner { name: unknown.clone(), valid: valid.collect() })

@@ -67,13 +67,13 @@ impl DriveTable {
 
     /// Returns the rows as members of JSON: the seed and the values of the variant if there are any, then the columns.
     pub fn members(&self) -> Vec<impl Serialize> {
-        let member = |query: &DriveQuery| {
+        let members = self.rows.iter().map(|query| {
             let seed = query.seed.map(|seed| (SEED.to_owned(), seed.into()));
             let swept = self.keys.iter().cloned().zip(self.variants[query.variant].iter().cloned());
             let of_query = self.columns().map(|column| (column.name.to_owned(), (column.value)(query)));
             Members(seed.into_iter().chain(swept).chain(of_query).collect())
-        };
-        self.rows.iter().map(member).collect()
+        });
+        members.collect()
     }
 
     /// Writes a row for each query; numbers read back as the same `f64`, and no spreadsheet evaluates a name.
@@ -138,8 +138,9 @@ impl<'a> TableReading<'a> {
         }
         let seed = reader.place(SEED);
         let certified = reader.place(CERTIFIED_COLUMN.name);
-        let is_column = |place: &usize| columns.contains(place) || [seed, certified].contains(&Some(*place));
-        let keys: Vec<usize> = (0..reader.columns().len()).filter(|place| !is_column(place)).collect();
+        let keys: Vec<usize> = (0..reader.columns().len())
+            .filter(|place| !(columns.contains(place) || [seed, certified].contains(&Some(*place))))
+            .collect();
         if keys.len() > MAX_KEYS {
             return Err(unfit(path, format!("{} columns of keys; expected at most {MAX_KEYS}", keys.len())));
         }
@@ -171,50 +172,28 @@ impl<'a> TableReading<'a> {
     fn row(&mut self) -> Result<DriveQuery, TableError> {
         let seed = self.seed.map(|place| self.reader.count(place, "a seed")).transpose()?;
         let variant = self.variant()?;
-        let (reader, at) = (&self.reader, |column| self.columns[drive_column(column)]);
-        let [success, reason, violation] = ["success", "reason", VIOLATION].map(at);
-        let is_there = |place: usize| place != usize::MAX && !reader.bytes(place).is_empty();
-        let small = |place: usize| {
-            let too_large = |_| reader.wrong_value(place, "a smaller number");
-            u32::try_from(reader.count(place, "a whole number")?).map_err(too_large)
-        };
-        let figures = || {
-            Ok::<_, TableError>(DriveFigures {
-                length_m: self.number(at("length_m"))?,
-                lower_bound_ratio: is_there(at("lower_bound_ratio"))
-                    .then(|| self.number(at("lower_bound_ratio")))
-                    .transpose()?,
-                min_clearance_m: self.number(at("min_clearance_m"))?,
-                cusps: small(at("cusps"))?,
-                drive_s: self.number(at("drive_s"))?,
-            })
-        };
-        let cost = || {
-            let cpu_build_s = self.number(at("cpu_build_s"))?;
-            let cpu_query_s = self.number(at("cpu_query_s"))?;
-            Ok::<_, TableError>(QueryCost {
-                cpu_build_s,
-                cpu_query_s,
-                expansions: reader.count(at("expansions"), "a whole number")?,
-            })
-        };
-        let parsed =
-            |parsed: Option<_>| parsed.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"));
+        let reader = &self.reader;
+        let [success, reason, violation] = ["success", "reason", VIOLATION].map(|column| self.place(column));
         let success = match reader.bytes(success) {
             b"true" => true,
             b"false" => false,
             _ => return Err(reader.wrong_value(success, "true or false")),
         };
-        let violation = is_there(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
-        let failure = (!success && violation.is_none() || is_there(reason))
-            .then(|| parsed(DriveFailure::parse(reader.bytes(reason))))
+        let violation = self.has_value(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
+        let failure = (!success && violation.is_none() || self.has_value(reason))
+            .then(|| {
+                let failure = DriveFailure::parse(reader.bytes(reason));
+                failure.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"))
+            })
             .transpose()?;
-        let figures = (success || is_there(at("length_m"))).then(figures).transpose()?;
-        let cost = is_there(at("cpu_query_s")).then(cost).transpose()?;
-        let certified = self.certified.filter(|&place| is_there(place));
+        // A drive whose path breaks the rules has no success, but its path has a length.
+        let has_figures = success || self.has_value(self.place("length_m"));
+        let figures = has_figures.then(|| self.figures()).transpose()?;
+        let cost = self.has_value(self.place("cpu_query_s")).then(|| self.cost()).transpose()?;
+        let certified = self.certified.filter(|&place| self.has_value(place));
         let certified_bound_m = certified.map(|place| self.number(place)).transpose()?;
-        let goal = small(at("goal"))? as usize;
-        let [field, planner] = ["field", "planner"].map(at);
+        let goal = self.small_count("goal")? as usize;
+        let [field, planner] = ["field", "planner"].map(|column| self.place(column));
         let field = self.name(field)?;
         let planner = self.name(planner)?;
         Ok(DriveQuery {
@@ -239,6 +218,40 @@ impl<'a> TableReading<'a> {
         number.map(|number| number + 0.0).ok_or_else(|| self.reader.wrong_value(place, "a number from 0 up"))
     }
 
+    /// Place of a column of drives; `usize::MAX` if the table has none.
+    fn place(&self, column: &str) -> usize {
+        self.columns[drive_column(column)]
+    }
+
+    fn has_value(&self, place: usize) -> bool {
+        place != usize::MAX && !self.reader.bytes(place).is_empty()
+    }
+
+    fn small_count(&self, column: &str) -> Result<u32, TableError> {
+        let place = self.place(column);
+        let count = self.reader.count(place, "a whole number")?;
+        u32::try_from(count).map_err(|_| self.reader.wrong_value(place, "a smaller number"))
+    }
+
+    fn figures(&self) -> Result<DriveFigures, TableError> {
+        let ratio = self.place("lower_bound_ratio");
+        Ok(DriveFigures {
+            length_m: self.number(self.place("length_m"))?,
+            lower_bound_ratio: self.has_value(ratio).then(|| self.number(ratio)).transpose()?,
+            min_clearance_m: self.number(self.place("min_clearance_m"))?,
+            cusps: self.small_count("cusps")?,
+            drive_s: self.number(self.place("drive_s"))?,
+        })
+    }
+
+    fn cost(&self) -> Result<QueryCost, TableError> {
+        Ok(QueryCost {
+            cpu_build_s: self.number(self.place("cpu_build_s"))?,
+            cpu_query_s: self.number(self.place("cpu_query_s"))?,
+            expansions: self.reader.count(self.place("expansions"), "a whole number")?,
+        })
+    }
+
     /// Reads a name; equal ones are one in memory.
     fn name(&mut self, place: usize) -> Result<Arc<str>, TableError> {
         let name = String::from_utf8_lossy(self.reader.bytes(place));
@@ -252,8 +265,8 @@ impl<'a> TableReading<'a> {
     }
 
     fn variant(&mut self) -> Result<usize, TableError> {
-        let text = |&place: &usize| String::from_utf8_lossy(self.reader.bytes(place)).into_owned();
-        let texts: Vec<String> = self.keys.iter().map(text).collect();
+        let texts: Vec<String> =
+            self.keys.iter().map(|&place| String::from_utf8_lossy(self.reader.bytes(place)).into_owned()).collect();
         if let Some(&existing) = self.variants.get(&texts) {
             return Ok(existing);
         }

@@ -233,7 +233,7 @@ fn call_of(event: &Event, frame: &FieldFrame) -> Option<PlannerCall> {
 /// Beyond the end of a run its bushes stay as they are.
 fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
     let duration = run.timeline().setting.rules.duration.as_nanos();
-    let count = |step: u64| {
+    let states = (0..=STATE_STEPS).map(|step| {
         // A scenario's duration is far below the centuries at which this would overflow.
         let time = SimTime::from_nanos(duration.saturating_mul(step) / STATE_STEPS);
         let counts = run.counts_at(time);
@@ -244,8 +244,8 @@ fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
             burned_out: counts.count(BushStateKind::BurnedOut),
             extinguished: counts.count(BushStateKind::Extinguished),
         }
-    };
-    (0..=STATE_STEPS).map(count).collect()
+    });
+    states.collect()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::BatchError;
 use wildfire_base::whole_file::WholeFile;
 
 /// A destination for the files of a batch.
@@ -13,6 +14,15 @@ pub trait Disk {
 
     /// A journal that is open, to be written at its end.
     fn journal(&self, file: File) -> Box<dyn Append>;
+}
+
+/// Writes a file that appears when it is complete.
+pub(crate) fn write_whole(disk: &dyn Disk, path: &Path, contents: &[u8]) -> Result<(), BatchError> {
+    let written = disk.whole_file(path).and_then(|mut file| {
+        file.write_all(contents)?;
+        file.finish()
+    });
+    written.map_err(|source| BatchError::unwritable(path, source))
 }
 
 /// A file that appears when it is complete.

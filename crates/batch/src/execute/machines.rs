@@ -6,7 +6,7 @@
 //! count as one, with the number of their processes.
 
 use std::ffi::OsStr;
-use std::io::{ErrorKind, Write};
+use std::io::ErrorKind;
 use std::num::NonZeroUsize;
 use std::path::Path;
 #[cfg(target_os = "macos")]
@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::execute::entries::{MACHINES, named};
-use crate::execute::{BatchError, Disk, OutputFolder};
+use crate::execute::{BatchError, Disk, OutputFolder, write_whole};
 use crate::plan::{COMMIT, COMPILER, PROGRAM_VERSION, Slice};
 use wildfire_base::document::number::count;
 use wildfire_base::input_file::{self, list_of_at_most};
@@ -126,12 +126,7 @@ impl Machines {
 
     fn write(&self, path: &Path, disk: &dyn Disk) -> Result<(), BatchError> {
         let json = serde_json::to_string_pretty(self).expect("machines are names and numbers") + "\n";
-        let write = || {
-            let mut file = disk.whole_file(path)?;
-            file.write_all(json.as_bytes())?;
-            file.finish()
-        };
-        write().map_err(|source| BatchError::unwritable(path, source))
+        write_whole(disk, path, json.as_bytes())
     }
 }
 
@@ -185,11 +180,9 @@ fn cpu_model() -> Option<String> {
 #[cfg(any(target_os = "linux", target_os = "android", test))]
 fn model_in(cpuinfo: &str) -> Option<String> {
     ["model name", "cpu model", "Processor", "Model", "Hardware", "cpu", "uarch"].iter().find_map(|key| {
-        let value = |line: &str| {
-            let (name, value) = line.split_once(':')?;
-            (name.trim() == *key).then(|| value.trim().to_owned())
-        };
-        cpuinfo.lines().find_map(value).filter(|value| !value.is_empty())
+        let mut lines = cpuinfo.lines().filter_map(|line| line.split_once(':'));
+        let value = lines.find(|(name, _)| name.trim() == *key).map(|(_, value)| value.trim().to_owned());
+        value.filter(|value| !value.is_empty())
     })
 }
 

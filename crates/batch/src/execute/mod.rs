@@ -20,6 +20,7 @@ mod workers;
 
 pub use cpu_split::CpuSplit;
 pub use detail::{PlannerCall, RunDetail, STATE_STEPS, Solution, StateCount};
+pub(super) use disk::write_whole;
 pub use disk::{Append, Disk, RealDisk, Whole};
 pub use entries::{
     AGENTS_FILE, CALLS_PARQUET, CHARTS_FOLDER, DECISIONS_PARQUET, MACHINES_FILE, RECORDINGS_FOLDER, REPORT_FILE,

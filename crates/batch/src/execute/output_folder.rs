@@ -98,8 +98,8 @@ impl OutputFolder {
         }
         let folder = Self::shared(path)?;
         // Without a plan, a journal without a line is what is left of a batch that was killed before it began.
-        let has_lines = |slice| fs::metadata(folder.journal(slice)).is_ok_and(|found| found.len() > 0);
-        match folder.journals()?.into_iter().find(|&slice| has_lines(slice)) {
+        let mut slices = folder.journals()?.into_iter();
+        match slices.find(|&slice| fs::metadata(folder.journal(slice)).is_ok_and(|found| found.len() > 0)) {
             Some(slice) if !overwrite => {
                 Err(BatchError::HoldsResults { path: path.to_owned(), entry: JOURNAL.name(slice) })
             }

@@ -1,7 +1,7 @@
 //! A session on a batch or a slice of one, from its start, or from where it was stopped, to its end.
 
 use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
@@ -13,7 +13,7 @@ use crate::execute::entries::JOURNAL;
 use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, run_all};
-use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario};
+use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, write_whole};
 use crate::plan::{BatchPlan, ENTRY_COLUMN, PLAN_FILE, PlanError, Record, Slice};
 use wildfire_base::whole_file::sync_folder_of;
 use wildfire_sim::{CustomRegistry, RunOptions};
@@ -119,7 +119,7 @@ impl Batch {
             folder.prepare_recordings()?;
         }
         let journal = journal.open(&plan, slice, disk.as_ref())?;
-        let (_, has_torn_line) = journal.index().end();
+        let has_torn_line = journal.index().is_torn();
         let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
         let repeated = journal.index().repeated();
         let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
@@ -262,7 +262,7 @@ fn lost_recordings(
     folder: &OutputFolder,
     journal: &JournalIndex,
 ) -> Result<Vec<LostRecording>, BatchError> {
-    let lost = |&run: &u64| {
+    let lost = journal.recorded().par_iter().filter_map(|&run| {
         let path = folder.recording(&plan.recording_name(&plan.run(run)));
         match file::verify(&path) {
             Ok(()) => None,
@@ -272,18 +272,12 @@ fn lost_recordings(
             Err(FileError::Io(_)) => Some(Ok(LostRecording { run, path, reason: "missing".into() })),
             Err(error) => Some(Ok(LostRecording { run, path, reason: error.to_string() })),
         }
-    };
-    journal.recorded().par_iter().filter_map(lost).collect()
+    });
+    lost.collect()
 }
 
 fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Disk) -> Result<(), BatchError> {
-    let path = folder.path().join(name);
-    let write = || {
-        let mut file = disk.whole_file(&path)?;
-        file.write_all(plan.to_json().as_bytes())?;
-        file.finish()
-    };
-    write().map_err(|source| BatchError::unwritable(&path, source))
+    write_whole(disk, &folder.path().join(name), plan.to_json().as_bytes())
 }
 
 /// Writes the plan unless another slice has written one meanwhile, which then must be the same.
@@ -295,14 +289,13 @@ fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: 
     // A second name for a file is refused where the name is taken, which renaming is not.
     let linked = fs::hard_link(&part, &path);
     let removed = fs::remove_file(&part);
-    let unwritable = |source: io::Error| BatchError::unwritable(&path, source);
     match linked {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             Ok(BatchPlan::read(folder.path())?.expect_same(plan, folder.path())?)
         }
         // Where files have one name only, slices that begin at the same instant differ by their journals.
         Err(_) => write_plan(plan, folder, PLAN_FILE, disk),
-        Ok(()) => removed.and_then(|()| sync_folder_of(&path)).map_err(unwritable),
+        Ok(()) => removed.and_then(|()| sync_folder_of(&path)).map_err(|source| BatchError::unwritable(&path, source)),
     }
 }
 

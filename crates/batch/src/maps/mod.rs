@@ -170,15 +170,17 @@ pub fn map_batches(
     let mut sums: Option<Sums> = None;
     let mut not_run = 0;
     for round in groups.chunks(RUNS_PER_ROUND * jobs) {
-        let read = |group: &Vec<PlannedRun<'_>>| {
-            let maps = sources.iter().zip(group).map(|(source, run)| {
-                let map = read_run(source, run, options);
-                on_run();
-                map
+        let maps: Vec<_> = pool.install(|| {
+            let maps = round.par_iter().with_max_len(1).map(|group| {
+                let maps = sources.iter().zip(group).map(|(source, run)| {
+                    let map = read_run(source, run, options);
+                    on_run();
+                    map
+                });
+                maps.collect::<Result<Option<Vec<RunMap>>, MapsError>>()
             });
-            maps.collect::<Result<Option<Vec<RunMap>>, MapsError>>()
-        };
-        let maps: Vec<_> = pool.install(|| round.par_iter().with_max_len(1).map(read).collect());
+            maps.collect()
+        });
         for (maps, group) in maps.into_iter().zip(round) {
             let Some(maps) = maps? else {
                 not_run += 1;
@@ -325,6 +327,7 @@ impl Sums {
 
 /// Returns whether fire would find the same fuel on all cells.
 fn has_same_ground(first: &Setting, second: &Setting) -> bool {
-    let fuel = |setting: &Setting| setting.spread.as_ref().map(|spread| spread.landscape().fuel.clone());
-    fuel(first) == fuel(second)
+    let [first, second] =
+        [first, second].map(|setting| setting.spread.as_ref().map(|spread| spread.landscape().fuel.clone()));
+    first == second
 }

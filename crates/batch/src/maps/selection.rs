@@ -32,15 +32,14 @@ impl MapSource {
                 valid: columns.join(", "),
             });
         }
-        let is_taken = |variant: &Variant| {
-            let values = values(&batch, variant);
+        let taken = (0..batch.plan().variants.len()).filter(|&index| {
+            let values = values(&batch, &batch.plan().variants[index]);
             only.iter().all(|(column, value)| {
                 let found = columns.iter().zip(&values).find(|(name, _)| *name == column);
                 found.is_some_and(|(_, found)| is_same_value(found, value))
             })
-        };
-        let taken: Vec<usize> =
-            (0..batch.plan().variants.len()).filter(|&index| is_taken(&batch.plan().variants[index])).collect();
+        });
+        let taken: Vec<usize> = taken.collect();
         match taken[..] {
             [variant] => Ok(Self { batch, variant }),
             ref several => {
@@ -144,8 +143,9 @@ fn values(batch: &FinishedBatch, variant: &Variant) -> Vec<String> {
 /// The columns in which some variants differ.
 fn varying(batch: &FinishedBatch, variants: &[usize]) -> Vec<String> {
     let all: Vec<Vec<String>> = variants.iter().map(|&index| values(batch, &batch.plan().variants[index])).collect();
-    let differs = |column: &usize| all.iter().any(|values| values[*column] != all[0][*column]);
-    columns(batch).into_iter().enumerate().filter(|(column, _)| differs(column)).map(|(_, name)| name).collect()
+    let columns = columns(batch).into_iter().enumerate();
+    let differing = columns.filter(|(column, _)| all.iter().any(|values| values[*column] != all[0][*column]));
+    differing.map(|(_, name)| name).collect()
 }
 
 /// Groups runs of equal seeds, one of each source, in the order of the first; also returns the number of seeds without

@@ -46,12 +46,12 @@ impl SideSums {
     /// Returns the shares of runs or the means over those with a value; NaN where there is none.
     pub fn finish(self, quantity: BatchQuantity, can_burn: &[bool]) -> Vec<f64> {
         let cells = self.counts.iter().zip(&self.sums).zip(can_burn);
-        let value = |((&count, &sum), &can_burn): ((&u32, &f64), &bool)| match quantity {
+        let values = cells.map(|((&count, &sum), &can_burn)| match quantity {
             BatchQuantity::BurnProbability if can_burn => f64::from(count) / self.runs.len() as f64,
             BatchQuantity::MeanArrival | BatchQuantity::MeanIntensity if count > 0 => sum / f64::from(count),
             _ => f64::NAN,
-        };
-        cells.map(value).collect()
+        });
+        values.collect()
     }
 }
 

@@ -72,9 +72,9 @@ pub fn schema() -> schemars::Schema {
 ///
 /// A text is a plan if it has one of the keys of plans at its top, which no scenario has.
 fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
-    let is_plan = |table: &Table| KEYS.iter().any(|key| table.contains_key(*key));
     // Text that nests too deep is left to the reader of scenarios, who refuses it with its place.
-    if first_too_deep(&source.text).is_some() || !toml::from_str(&source.text).is_ok_and(|table: Table| is_plan(&table))
+    if first_too_deep(&source.text).is_some()
+        || !toml::from_str(&source.text).is_ok_and(|table: Table| KEYS.iter().any(|key| table.contains_key(*key)))
     {
         return Ok(None);
     }
@@ -156,11 +156,11 @@ pub(super) fn located(name: &str, folder: &Path) -> String {
 }
 
 fn sweep_of(table: Table) -> Result<Sweep, PlanFileProblem> {
-    let column = |(key, value): (String, Value)| match value {
+    let columns = leaves(table).into_iter().map(|(key, value)| match value {
         Value::Array(values) => Ok((key, values.into_iter().map(Setting::from_toml).collect())),
         other => Err(PlanFileProblem::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
-    };
-    let columns = leaves(table).into_iter().map(column).collect::<Result<Vec<_>, _>>()?;
+    });
+    let columns = columns.collect::<Result<Vec<_>, _>>()?;
     if columns.is_empty() {
         return Err(PlanFileProblem::Wrong("a [[sweep]] is empty; expected a key with a list of values".into()));
     }
@@ -169,13 +169,13 @@ fn sweep_of(table: Table) -> Result<Sweep, PlanFileProblem> {
 
 /// Keys with dots between their steps, whether they were written so or as tables.
 fn leaves(table: Table) -> Vec<(String, Value)> {
-    let leaf = |(key, value): (String, Value)| match value {
+    let leaves = table.into_iter().flat_map(|(key, value)| match value {
         Value::Table(inner) => {
             leaves(inner).into_iter().map(|(rest, value)| (format!("{key}.{rest}"), value)).collect()
         }
         plain => vec![(key, plain)],
-    };
-    table.into_iter().flat_map(leaf).collect()
+    });
+    leaves.collect()
 }
 
 #[cfg(test)]

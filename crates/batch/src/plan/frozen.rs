@@ -191,14 +191,14 @@ impl BatchPlan {
     /// Fails as [`Self::read`] does.
     pub fn read_file(path: PathBuf) -> Result<Self, PlanError> {
         let file = open(path.parent().unwrap_or(&path), &path)?;
-        let not_a_plan = |reason: String| PlanError::NotAPlan { path: path.clone(), reason };
         let head = read_head(&path, &file)?;
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
             return Err(PlanError::OtherVersion { path, found: head.program_version });
         }
         let body: PlanBody = read_json(&path, &file)?;
         let expected = body.content_sha256.clone();
-        let plan = body.into_plan().map_err(|error| not_a_plan(error.to_string()))?;
+        let plan =
+            body.into_plan().map_err(|error| PlanError::NotAPlan { path: path.clone(), reason: error.to_string() })?;
         let found = plan.content_sha256();
         if found != expected {
             return Err(PlanError::Tampered { path, found, expected });
@@ -264,7 +264,6 @@ impl BatchPlan {
     /// Refuses a batch whose runs cannot be made here: a planner or a policy of them was registered, and none of
     /// that name is registered here.
     pub fn expect_registry(&self, registry: &CustomRegistry, folder: &Path) -> Result<(), PlanError> {
-        let is_program = |table: &Programs, name| table.get(name).is_some_and(Program::is_external);
         for Variant { scenario, .. } in &self.variants {
             let planners = scenario.unimog.iter().map(|truck| ("planner", &truck.planner));
             let trucks = scenario.unimog.iter().filter_map(|truck| match &truck.goal {
@@ -277,10 +276,10 @@ impl BatchPlan {
             });
             let crews = scenario.custom_line_policy().map(|name| ("policy", name));
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
-                "planner" => !registry.planners.knows(name) && !is_program(&scenario.planner, name),
+                "planner" => !registry.planners.knows(name) && !is_external(&scenario.planner, name),
                 _ => {
                     !registry.policies.custom_names().any(|custom| custom == name)
-                        && !is_program(&scenario.policy, name)
+                        && !is_external(&scenario.policy, name)
                 }
             });
             if let Some((kind, name)) = missing {
@@ -310,6 +309,10 @@ impl BatchPlan {
         }
         Ok(())
     }
+}
+
+fn is_external(table: &Programs, name: &PlannerName) -> bool {
+    table.get(name).is_some_and(Program::is_external)
 }
 
 impl PlanBody {

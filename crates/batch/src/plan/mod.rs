@@ -43,7 +43,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::input_file::list_of_at_most;
-use wildfire_scenario::{Dispatch, MemoryLimit, Scenario, Unimog};
+use wildfire_scenario::{Dispatch, MemoryLimit, Scenario};
 use wildfire_timeline::AgentId;
 
 /// The most keys that a batch sweeps, and the most changes of a scenario.
@@ -235,8 +235,9 @@ fn policies_of(scenario: &Scenario) -> Vec<(AgentId, String)> {
     let wumpuses =
         scenario.wumpus.iter().zip(0..).map(|(wumpus, number)| (AgentId::wumpus(number), wumpus.goal.name()));
     let dispatched = scenario.dispatch.as_ref().map(Dispatch::label);
-    let policy_of = |truck: &Unimog| dispatched.clone().unwrap_or_else(|| truck.goal.name().to_owned());
-    let trucks = scenario.unimog.iter().zip(0..).map(|(truck, number)| (AgentId::unimog(number), policy_of(truck)));
+    let trucks = scenario.unimog.iter().zip(0..).map(|(truck, number)| {
+        (AgentId::unimog(number), dispatched.clone().unwrap_or_else(|| truck.goal.name().to_owned()))
+    });
     wumpuses.map(|(agent, name)| (agent, name.to_owned())).chain(trucks).collect()
 }
 

@@ -116,10 +116,9 @@ impl BatchRequest {
         let seeds = self.seeds.clone().unwrap_or_default();
         self.check_size(&seeds, force)?;
         self.check_changes()?;
-        let keys = || self.sweeps.iter().flat_map(Sweep::keys);
         let plan = BatchPlan {
             variants: self.variants(seeds.to_string().len() as u64)?,
-            swept_keys: keys().filter(|key| *key != PLANNER_KEY).cloned().collect(),
+            swept_keys: self.sweeps.iter().flat_map(Sweep::keys).filter(|key| *key != PLANNER_KEY).cloned().collect(),
             seeds,
             record: self.record.unwrap_or_default(),
             memory: self.memory.unwrap_or_default(),
@@ -207,8 +206,8 @@ fn check_distinct(plan: &BatchPlan) -> Result<(), RequestError> {
         let first: &Variant = names.entry(name).or_insert(variant);
         let same_content = contents.insert(Sha256::digest(json_of(&variant.scenario)), variant);
         if let Some(other) = same_content {
-            let title = |variant: &Variant| format!("`{}`", described(variant));
-            return Err(RequestError::SameScenario { one: title(other), other: title(variant) });
+            let [one, other] = [other, variant].map(|variant| format!("`{}`", described(variant)));
+            return Err(RequestError::SameScenario { one, other });
         }
         if first.source != variant.source {
             let one = first.source.clone();

@@ -125,8 +125,9 @@ pub fn range_text(numbers: &[u64], to: &str) -> String {
 }
 
 fn parse_range(part: &str) -> Result<RangeInclusive<u64>, SeedsError> {
-    let not_a_number = || SeedsError::NotANumber { found: part.trim().to_owned() };
-    let seed = |digits: &str| digits.trim().parse::<u64>().map_err(|_| not_a_number());
+    let seed = |digits: &str| {
+        digits.trim().parse::<u64>().map_err(|_| SeedsError::NotANumber { found: part.trim().to_owned() })
+    };
     let (first, last) = match part.split_once("..") {
         Some((first, last)) => (seed(first)?, seed(last.strip_prefix('=').unwrap_or(last))?),
         None => (seed(part)?, seed(part)?),

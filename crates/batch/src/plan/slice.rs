@@ -77,8 +77,7 @@ impl FromStr for Slice {
 
     fn from_str(text: &str) -> Result<Self, SliceError> {
         let (number, of) = text.split_once('/').ok_or(SliceError)?;
-        let whole = |digits: &str| digits.parse().map_err(|_| SliceError);
-        Self::new(whole(number)?, whole(of)?).ok_or(SliceError)
+        Self::new(number.parse().map_err(|_| SliceError)?, of.parse().map_err(|_| SliceError)?).ok_or(SliceError)
     }
 }
 

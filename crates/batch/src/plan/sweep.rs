@@ -60,8 +60,11 @@ impl Setting {
 
 /// Says whether two texts are one value, as `0.10` and `0.1` are.
 pub fn is_same_value(one: &str, other: &str) -> bool {
-    let number = |text: &str| text.parse::<f64>().ok();
     one == other || number(one).is_some_and(|number_of_one| number(other) == Some(number_of_one))
+}
+
+fn number(text: &str) -> Option<f64> {
+    text.parse::<f64>().ok()
 }
 
 fn value_of(value: toml::Value) -> Value {
@@ -160,17 +163,19 @@ impl<'a> Range<'a> {
         if count > MAX_VALUES {
             return Err(refuse(format!("has {count} values; expected at most {MAX_VALUES}")));
         }
+        Ok((0..count).map(|index| self.text(first + index * step)).collect())
+    }
+
+    /// Writes a number of the range with as many digits as its ends have.
+    fn text(&self, number: i64) -> String {
         let unit = 10_i64.pow(self.digits_after_point as u32);
-        let text = |number: i64| {
-            let sign = if number < 0 { "-" } else { "" };
-            let whole = number.abs() / unit;
-            let rest = number.abs() % unit;
-            match self.digits_after_point {
-                0 => format!("{sign}{whole}"),
-                digits => format!("{sign}{whole}.{rest:0digits$}"),
-            }
-        };
-        Ok((0..count).map(|index| text(first + index * step)).collect())
+        let sign = if number < 0 { "-" } else { "" };
+        let whole = number.abs() / unit;
+        let rest = number.abs() % unit;
+        match self.digits_after_point {
+            0 => format!("{sign}{whole}"),
+            digits => format!("{sign}{whole}.{rest:0digits$}"),
+        }
     }
 }
 
@@ -200,24 +205,22 @@ impl<'a> Decimal<'a> {
 
 /// A key that takes its values alone takes no value twice; one of several may, where the others differ.
 fn check_values(key: &str, settings: &[Setting]) -> Result<(), SweepError> {
-    let key = || key.to_owned();
     if settings.is_empty() {
-        return Err(SweepError::NoValues { key: key() });
+        return Err(SweepError::NoValues { key: key.to_owned() });
     }
     if settings.iter().any(|setting| setting.written.is_empty()) {
-        return Err(SweepError::EmptyValue { key: key() });
+        return Err(SweepError::EmptyValue { key: key.to_owned() });
     }
     Ok(())
 }
 
 /// Refuses two sweeps, or a sweep and a change, of the same value, and values that come twice.
 pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), SweepError> {
-    let contradiction = |one: &str, other: &str| SweepError::Contradiction { one: one.into(), other: other.into() };
     let mut seen: Vec<&str> = changed_keys.to_vec();
     for sweep in sweeps {
         for key in &sweep.keys {
             if let Some(other) = seen.iter().find(|other| overlap(key, other)) {
-                return Err(contradiction(other, key));
+                return Err(SweepError::Contradiction { one: (*other).into(), other: key.clone() });
             }
             seen.push(key);
         }
@@ -232,7 +235,6 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
 
 /// Says whether two keys can name the same value: `unimog.planner` means all trucks, so `unimog.0.planner` among them.
 fn overlap(one: &str, other: &str) -> bool {
-    let is_index = |step: Option<&&str>| step.is_some_and(|step| step.chars().all(|letter| letter.is_ascii_digit()));
     let mut one = one.split('.').peekable();
     let mut other = other.split('.').peekable();
     loop {
@@ -246,6 +248,10 @@ fn overlap(one: &str, other: &str) -> bool {
             },
         }
     }
+}
+
+fn is_index(step: Option<&&str>) -> bool {
+    step.is_some_and(|step| step.chars().all(|letter| letter.is_ascii_digit()))
 }
 
 /// Splits a text at the commas that are outside of quotes and brackets.

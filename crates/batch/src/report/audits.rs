@@ -190,8 +190,7 @@ impl Subject<'_> {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row, recording } => match recording {
                 Some(path) => look_at_file(path, step, |timeline| {
-                    let difference = || difference(run, row.as_ref(), timeline, RunCost::default());
-                    other_run(run, timeline).or_else(difference)
+                    other_run(run, timeline).or_else(|| difference(run, row.as_ref(), timeline, RunCost::default()))
                 }),
                 None => {
                     let memory = batch.plan().memory;

@@ -1,6 +1,5 @@
 //! The tables of a batch, made from its journals.
 
-use std::io::Write;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::execute::{
     Batch, BatchError, Disk, OutputFolder, RowReader, RowStream, RunRow, SUMMARY_FILE, StreamBudget, TABLES_FILE,
-    merge_machines, slices_of,
+    merge_machines, slices_of, write_whole,
 };
 use crate::plan::{BatchPlan, Slice};
 use crate::report::summary::{BatchReport, VariantReport};
@@ -131,8 +130,8 @@ fn write_tables(
             number += 1;
         }
     }
-    write_whole(folder, disk, TABLES_FILE, report.to_document().to_markdown().as_bytes())?;
-    write_whole(folder, disk, SUMMARY_FILE, &report.to_csv(plan))?;
+    write_whole(disk, &folder.path().join(TABLES_FILE), report.to_document().to_markdown().as_bytes())?;
+    write_whole(disk, &folder.path().join(SUMMARY_FILE), &report.to_csv(plan))?;
     parquet_files.finish()?;
     files.finish()?;
     Ok(report)
@@ -148,16 +147,6 @@ fn add_row(report: &mut BatchReport, plan: &BatchPlan, place: u64, row: &Recorde
     let variant_report = report.variants.last_mut().expect("the first row begins the first");
     variant_report.add(&row.record);
     variant_report.add_detail(&row.row);
-}
-
-fn write_whole(folder: &OutputFolder, disk: &dyn Disk, name: &str, contents: &[u8]) -> Result<(), BatchError> {
-    let path = folder.path().join(name);
-    let write = || {
-        let mut file = disk.whole_file(&path)?;
-        file.write_all(contents)?;
-        file.finish()
-    };
-    write().map_err(|source| BatchError::unwritable(&path, source))
 }
 
 /// Reads the rows of a finished batch, in the order of the plan, from its journals.

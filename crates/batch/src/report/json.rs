@@ -24,15 +24,15 @@ pub struct RunObject {
 impl RunObject {
     pub fn new(row: &RunRow) -> Self {
         let columns = || RUN_COLUMNS.iter().map(|column| (column.name, (column.value)(row)));
-        let agent = |agent: AgentRow<'_>| {
+        let agents = AgentRow::from_run(row).map(|agent| {
             let values = AGENT_COLUMNS.iter().map(|column| (column.name, (column.value)(&agent)));
             Members(values.filter(|(name, _)| !["scenario", "seed", "run"].contains(name)).collect())
-        };
+        });
         let machine = RunRecord::from_row(row).queries().machine_sentence(&row.label.planner);
         Self {
             program_version: PROGRAM_VERSION,
             run: Members(columns().filter(|(name, _)| !is_measured(name)).collect()),
-            agents: AgentRow::from_run(row).map(agent).collect(),
+            agents: agents.collect(),
             notes: row.result.as_ref().map(notes).into_iter().flatten().chain(machine).collect(),
             measured: Members(columns().filter(|(name, _)| is_measured(name)).collect()),
         }

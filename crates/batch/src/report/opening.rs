@@ -34,16 +34,17 @@ fn of_one(variant: &VariantReport) -> String {
     }
     let won = winners(tally);
     let saved = Saved::new(variant).map(|saved| saved.text(variant));
-    let burned = || burned_area(variant);
     let trucks = tally.trucks_name();
     let text = match (won, saved) {
         // A winner that also saves bushes is named once.
         (Some(Won::Trucks(won)), Some(saved)) => format!("{won} and saved {saved}"),
         (Some(won), Some(saved)) => format!("{}; {trucks} saved {saved}", won.text()),
-        (Some(won), None) => format!("{}{}", won.text(), burned().map_or(String::new(), |area| format!("; {area}"))),
+        (Some(won), None) => {
+            format!("{}{}", won.text(), burned_area(variant).map_or(String::new(), |area| format!("; {area}")))
+        }
         (None, Some(saved)) if tally.trucks == 0 => format!("without trucks, {saved} did not burn"),
         (None, Some(saved)) => format!("{trucks} saved {saved}"),
-        (None, None) => burned().unwrap_or_else(|| format!("{} finished", count_of(tally.done))),
+        (None, None) => burned_area(variant).unwrap_or_else(|| format!("{} finished", count_of(tally.done))),
     };
     sentence(&text) + "."
 }
@@ -130,13 +131,12 @@ impl Saved {
 
     /// Returns the mean and its interval, which is empty if there is none.
     fn percent(&self) -> (String, String) {
-        let width = |interval: Interval| 50.0 * (interval.high - interval.low);
-        let decimals = self.interval.map_or(0, |interval| two_digits(width(interval)).saturating_sub(1));
-        let number = |share: f64| rounded(100.0 * share, decimals);
+        let decimals =
+            self.interval.map_or(0, |interval| two_digits(50.0 * (interval.high - interval.low)).saturating_sub(1));
         let interval = self.interval.map_or_else(String::new, |Interval { low, high }| {
-            format!("95 % interval {} to {} %", number(low), number(high))
+            format!("95 % interval {} to {} %", rounded(100.0 * low, decimals), rounded(100.0 * high, decimals))
         });
-        (format!("{} %", number(self.mean)), interval)
+        (format!("{} %", rounded(100.0 * self.mean, decimals)), interval)
     }
 }
 
@@ -145,11 +145,10 @@ fn burned_area(variant: &VariantReport) -> Option<String> {
     let mean = variant.column(BURNED_HA).mean()?;
     let interval = variant.interval(BURNED_HA);
     let decimals = interval.map_or_else(|| two_digits(mean).min(2), |it| two_digits(0.5 * (it.high - it.low)));
-    let number = |area: f64| rounded(area, decimals);
     let about = interval.map_or_else(String::new, |Interval { low, high }| {
-        format!(" (mean; 95 % interval {} to {} ha)", number(low), number(high))
+        format!(" (mean; 95 % interval {} to {} ha)", rounded(low, decimals), rounded(high, decimals))
     });
-    Some(format!("{} ha burned{about}", number(mean)))
+    Some(format!("{} ha burned{about}", rounded(mean, decimals)))
 }
 
 /// Shares saved by the variants that have numbers.
@@ -191,14 +190,16 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
         return "No run finished.".into();
     }
     let all = labels.groups().concat();
-    let name = |index: usize| labels.label(index, &all);
     let saved = saved_by_variant(variants);
     let mut parts: Vec<String> = match extremes(&saved) {
         Some([best, worst]) if saved.len() > MAX_NAMED => vec![
-            format!("{} saved the most bushes, {}", name(best.0), best.1.percent().0),
-            format!("{} the least, {}", name(worst.0), worst.1.percent().0),
+            format!("{} saved the most bushes, {}", labels.label(best.0, &all), best.1.percent().0),
+            format!("{} the least, {}", labels.label(worst.0, &all), worst.1.percent().0),
         ],
-        _ => saved.iter().map(|(index, saved)| format!("{} saved {}", name(*index), saved.percent().0)).collect(),
+        _ => saved
+            .iter()
+            .map(|(index, saved)| format!("{} saved {}", labels.label(*index, &all), saved.percent().0))
+            .collect(),
     };
     let failed: Vec<usize> = (0..variants.len()).filter(|&index| variants[index].tally.not_done() > 0).collect();
     parts.extend(failed.iter().take(MAX_NAMED).map(|&index| {
@@ -208,7 +209,7 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
             (failed, 0) => format!("failed in all {}", count_of(failed)),
             (failed, done) => format!("failed in {failed} of {}", count_of(failed + done)),
         };
-        format!("{} {text}", name(index))
+        format!("{} {text}", labels.label(index, &all))
     }));
     if failed.len() > MAX_NAMED {
         let more = failed.len() - MAX_NAMED;

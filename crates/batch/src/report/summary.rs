@@ -144,11 +144,10 @@ impl BatchReport {
 
     /// Returns a line for each variant, with the number of finished runs and means over them.
     pub fn overview(&self) -> Vec<Block> {
-        let number = |index: usize| (index + 1).to_string();
         let titles = self.variants.iter().enumerate();
-        let titles = titles.map(|(index, variant)| format!("{}: {}", number(index), variant.title)).collect();
+        let titles = titles.map(|(index, variant)| format!("{}: {}", variant_number(index), variant.title)).collect();
         let means = "Means over finished runs. tables.md has the tables of each variant.".to_owned();
-        vec![Block::List(titles), Block::Table(self.overview_table(number)), Block::Text(means)]
+        vec![Block::List(titles), Block::Table(self.overview_table(variant_number)), Block::Text(means)]
     }
 
     /// Returns the table of the overview, with these names of variants.
@@ -170,17 +169,17 @@ impl BatchReport {
             .collect();
         let mut table = csv::Writer::from_writer(Vec::new());
         let mut add = |cells: Vec<String>| table.write_record(&cells).expect("memory takes everything");
-        let text = |text: &str| spreadsheet_cell(text).into_owned();
         let labels = ["variant", "scenario", "planner"].into_iter().chain(plan.swept_keys.iter().map(String::as_str));
         let means =
             places.iter().flat_map(|&place| ["", "_low", "_high"].map(|end| RUN_COLUMNS[place].name.to_owned() + end));
-        add(labels.chain(["finished", "failed"]).map(text).chain(means).collect());
+        add(labels.chain(["finished", "failed"]).map(cell_text).chain(means).collect());
         for (index, (variant, report)) in plan.variants.iter().zip(&self.variants).enumerate() {
             let swept = variant.swept.iter().map(|value| match value {
-                Value::Text(value) => text(value),
+                Value::Text(value) => cell_text(value),
                 number => number.to_string(),
             });
-            let labels = [(index + 1).to_string(), text(&variant.scenario.name), text(&planner_of(&variant.scenario))];
+            let labels =
+                [(index + 1).to_string(), cell_text(&variant.scenario.name), cell_text(&planner_of(&variant.scenario))];
             let counts = [report.tally.done, report.tally.not_done()].map(|count| count.to_string());
             let means = places.iter().flat_map(|&place| {
                 let [low, high] = Interval::ends(report.interval(place));
@@ -195,10 +194,11 @@ impl BatchReport {
     /// Returns statistics of fleets, for variants with more than one truck; `None` if there are none.
     pub fn fleets_table(&self) -> Option<Table> {
         let fleets = self.variants.iter().filter(|variant| variant.tally.trucks > 1);
-        let labels = |variant: &VariantReport| [variant.title.clone(), variant.tally.trucks.to_string()];
-        let rows: Vec<Vec<String>> = fleets
-            .map(|variant| labels(variant).into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect())
-            .collect();
+        let rows = fleets.map(|variant| {
+            let labels = [variant.title.clone(), variant.tally.trucks.to_string()];
+            labels.into_iter().chain(variant.mean_cells(&FLEET_MEANS)).collect()
+        });
+        let rows: Vec<Vec<String>> = rows.collect();
         let headings: Vec<&str> =
             ["Variant", "Trucks"].into_iter().chain(FLEET_MEANS.map(|mean| mean.heading)).collect();
         (!rows.is_empty()).then(|| Table::new(&headings, rows))
@@ -206,9 +206,12 @@ impl BatchReport {
 
     /// Returns a table for each of these columns, by their places among [`RUN_COLUMNS`]: a line for each variant.
     pub fn column_tables(&self, places: &[usize]) -> Vec<Block> {
-        let table = |&place: &usize| {
+        let tables = places.iter().map(|&place| {
             let about = &RUN_COLUMNS[place];
-            let row = |variant: &VariantReport| {
+            let unit = Some(about.unit.symbol()).filter(|symbol| !["", "1"].contains(symbol));
+            let unit = unit.map_or_else(String::new, |symbol| format!(" ({symbol})"));
+            let headings = ["Variant", "Runs", "Mean", "Std dev", "95% low", "95% high"];
+            let rows = self.variants.iter().map(|variant| {
                 let series = variant.column(place);
                 let interval = variant.interval(place);
                 let [low, high] = Interval::ends(interval);
@@ -216,24 +219,22 @@ impl BatchReport {
                 let decimals = decimals_of(numbers);
                 let numbers = numbers.map(|number| optional(number, decimals));
                 [variant.title.clone(), series.count().to_string()].into_iter().chain(numbers).collect()
-            };
-            let unit = Some(about.unit.symbol()).filter(|symbol| !["", "1"].contains(symbol));
-            let unit = unit.map_or_else(String::new, |symbol| format!(" ({symbol})"));
-            let headings = ["Variant", "Runs", "Mean", "Std dev", "95% low", "95% high"];
-            let rows = self.variants.iter().map(row).collect();
-            Table::new(&headings, rows).with_caption(&format!("{}{unit}: {}", about.name, about.description)).into()
-        };
-        places.iter().map(table).collect()
+            });
+            Table::new(&headings, rows.collect())
+                .with_caption(&format!("{}{unit}: {}", about.name, about.description))
+                .into()
+        });
+        tables.collect()
     }
 
     /// Returns notes on any variant, by its number: first why runs failed.
     pub fn notes(&self) -> Vec<String> {
-        let notes = |(index, variant): (usize, &VariantReport)| {
+        let notes = self.variants.iter().enumerate().flat_map(|(index, variant)| {
             let reason = variant.tally.reason_of_failures();
             let notes = reason.into_iter().chain(variant.tally.note()).chain(variant.tally.machine_sentences());
             notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
-        };
-        self.variants.iter().enumerate().flat_map(notes).collect()
+        });
+        notes.collect()
     }
 
     /// Returns, by the title of each variant if there are several, whether a limit of time or memory changed an
@@ -255,10 +256,8 @@ impl BatchReport {
         let mut sentences = Vec::new();
         for (variant, number) in self.variants.iter().zip(1..) {
             for (planner, failures) in &variant.tally.failures {
-                let is_other = |it: &VariantReport| {
-                    it.files.get(planner).is_some_and(|files| Some(files) != variant.files.get(planner))
-                };
-                if self.variants.iter().any(is_other) {
+                let files = variant.files.get(planner);
+                if self.variants.iter().any(|it| it.files.get(planner).is_some_and(|other| Some(other) != files)) {
                     sentences.extend(failures.of_planner(&format!("{planner} (variant {number})")));
                 } else {
                     *sum.failures.entry(planner.clone()).or_default() += failures.clone();
@@ -274,6 +273,14 @@ impl BatchReport {
     pub fn profile(&self) -> Document {
         Document::default().with(self.variants.iter().flat_map(|variant| variant.profile.blocks(&variant.title)))
     }
+}
+
+fn cell_text(text: &str) -> String {
+    spreadsheet_cell(text).into_owned()
+}
+
+fn variant_number(index: usize) -> String {
+    (index + 1).to_string()
 }
 
 /// The decimals by which the largest of some numbers has four digits.
@@ -306,7 +313,8 @@ impl VariantReport {
     }
 
     fn mean_cells(&self, means: &[MeanRow]) -> impl Iterator<Item = String> {
-        let mean = |mean: &MeanRow| self.column(mean.column).mean().map(|value| value * mean.scale);
-        means.iter().map(move |column| optional(mean(column), column.decimals))
+        means
+            .iter()
+            .map(|mean| optional(self.column(mean.column).mean().map(|value| value * mean.scale), mean.decimals))
     }
 }

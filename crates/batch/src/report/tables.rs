@@ -195,12 +195,12 @@ impl RunTable {
     fn shown_columns(&self) -> Vec<usize> {
         let has_custom = self.has_any(&CUSTOM);
         let has_roadmap = self.has_any(&ROADMAP);
-        let is_shown = |heading| match heading {
-            _ if CUSTOM.contains(&heading) => has_custom,
-            _ if ROADMAP.contains(&heading) || heading == PRM_ONLY => has_roadmap || !has_custom,
+        let shown = (0..self.layout.quantities.len()).filter(|&place| match self.layout.quantities[place].heading {
+            heading if CUSTOM.contains(&heading) => has_custom,
+            heading if ROADMAP.contains(&heading) || heading == PRM_ONLY => has_roadmap || !has_custom,
             _ => true,
-        };
-        (0..self.layout.quantities.len()).filter(|&place| is_shown(self.layout.quantities[place].heading)).collect()
+        });
+        shown.collect()
     }
 
     fn hidden_note(&self) -> Option<String> {

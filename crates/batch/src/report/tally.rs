@@ -169,11 +169,6 @@ impl Tally {
             return None;
         }
         let [trucks, wumpuses] = [("truck", self.trucks), ("Wumpus", self.wumpuses)];
-        let one_of = |(role, count): (&str, usize)| match (role, count) {
-            (_, 2..) => format!("a {role}"),
-            ("truck", _) => "the Unimog".to_owned(),
-            _ => format!("the {role}"),
-        };
         let part = |who: (&str, usize), runs: u64, stuck_s: f64| {
             (runs > 0).then(|| format!("{} got stuck in {}, for {stuck_s:.1} s", one_of(who), self.part_of_runs(runs)))
         };
@@ -235,6 +230,14 @@ impl Tally {
             "Champion: {name}, {} points to {}; runs won {} to {}{ties}.",
             first.0, second.0, first.1, second.1
         ))
+    }
+}
+
+fn one_of((role, count): (&str, usize)) -> String {
+    match (role, count) {
+        (_, 2..) => format!("a {role}"),
+        ("truck", _) => "the Unimog".to_owned(),
+        _ => format!("the {role}"),
     }
 }
 

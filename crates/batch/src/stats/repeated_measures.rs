@@ -38,15 +38,14 @@ impl RepeatedMeasures {
         if subjects < 2 || conditions < 2 {
             return None;
         }
-        let mean_of = |numbers: &mut dyn Iterator<Item = f64>, count: usize| numbers.sum::<f64>() / count as f64;
         let of_conditions: Vec<f64> =
-            (0..conditions).map(|condition| mean_of(&mut rows.iter().map(|row| row[condition]), subjects)).collect();
-        let of_all = mean_of(&mut of_conditions.iter().copied(), conditions);
-        let residuals_of = |row: &Vec<f64>| -> Vec<f64> {
-            let of_subject = mean_of(&mut row.iter().copied(), conditions);
+            (0..conditions).map(|condition| mean_of(rows.iter().map(|row| row[condition]), subjects)).collect();
+        let of_all = mean_of(of_conditions.iter().copied(), conditions);
+        let residuals = rows.iter().map(|row| {
+            let of_subject = mean_of(row.iter().copied(), conditions);
             row.iter().zip(&of_conditions).map(|(number, mean)| number - mean - of_subject + of_all).collect()
-        };
-        let residuals: Vec<Vec<f64>> = rows.iter().map(residuals_of).collect();
+        });
+        let residuals: Vec<Vec<f64>> = residuals.collect();
         let rounding = ROUNDING * squares(rows.iter().flatten());
         let left = squares(residuals.iter().flatten());
         let effects: Vec<f64> = of_conditions.iter().map(|mean| mean - of_all).collect();
@@ -65,6 +64,10 @@ impl RepeatedMeasures {
     }
 }
 
+fn mean_of(numbers: impl Iterator<Item = f64>, count: usize) -> f64 {
+    numbers.sum::<f64>() / count as f64
+}
+
 fn squares<'a>(numbers: impl Iterator<Item = &'a f64>) -> f64 {
     numbers.map(|number| number * number).sum()
 }
@@ -77,9 +80,15 @@ fn squares_of_products(rows: &[Vec<f64>]) -> f64 {
             (0..columns).map(|column| rows.iter().map(|row| row[column]).collect()).collect();
         return squares_of_products(&transposed);
     }
-    let product = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
-    let with_all = |one: &Vec<f64>| -> Vec<f64> { rows.iter().map(|other| product(one, other)).collect() };
-    rows.iter().map(|one| squares(with_all(one).iter())).sum()
+    let sums = rows.iter().map(|one| {
+        let with_all: Vec<f64> = rows.iter().map(|other| dot(one, other)).collect();
+        squares(with_all.iter())
+    });
+    sums.sum()
+}
+
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -76,10 +76,10 @@ impl SurvivalCurve {
     /// `None`.
     ///
     /// Brookmeyer, Crowley, "A confidence interval for the median survival time", Biometrics 38, 1982.
-    pub fn median_interval(&self) -> (Option<f64>, Option<f64>) {
+    pub fn median_interval(&self) -> [Option<f64>; 2] {
         let low = self.first_time_where(|step| step.interval.is_none_or(|interval| interval.low <= 0.5));
         let high = self.first_time_where(|step| step.interval.is_some_and(|interval| interval.high <= 0.5));
-        (low, high)
+        [low, high]
     }
 
     fn first_time_where(&self, holds: impl Fn(&SurvivalStep) -> bool) -> Option<f64> {
@@ -141,7 +141,7 @@ mod tests {
     fn median_is_the_published_one() {
         let curve = SurvivalCurve::from_lifetimes(&lifetimes(&EVENTS, &CUT_OFF));
         assert_eq!(curve.median(), Some(23.0));
-        assert_eq!(curve.median_interval(), (Some(13.0), None));
+        assert_eq!(curve.median_interval(), [Some(13.0), None]);
         assert_eq!((curve.at(5.9), curve.at(1e9)), (1.0, curve.steps[6].survival));
     }
 
@@ -153,7 +153,7 @@ mod tests {
             assert_close(curve.at(f64::from(time)), f64::from(40 - time) / 40.0);
         }
         assert_eq!(curve.median(), Some(20.0));
-        let (low, high) = curve.median_interval();
+        let [low, high] = curve.median_interval();
         assert!(low.is_some_and(|low| low < 20.0) && high.is_some_and(|high| high > 20.0));
         assert_eq!(curve.steps[39].interval, None);
     }

@@ -102,8 +102,8 @@ impl RunRecord {
     /// Describes the first outcome column in which a run differs from this record; `None` if there is none.
     pub fn difference(&self, again: &Self) -> Option<String> {
         // What policies were asked is in no recording.
-        let is_outcome = |name: &str| !is_measured(name) && !name.starts_with("policy_");
-        let outcomes = RUN_COLUMNS.iter().zip(self.0.iter().zip(&again.0)).filter(|(it, _)| is_outcome(it.name));
+        let columns = RUN_COLUMNS.iter().zip(self.0.iter().zip(&again.0));
+        let outcomes = columns.filter(|(it, _)| !is_measured(it.name) && !it.name.starts_with("policy_"));
         let (column, (stored, found)) = outcomes.into_iter().find(|(_, (stored, found))| stored != found)?;
         let [stored, found] = [stored, found].map(|value| match value.to_string() {
             word if word.is_empty() => "nothing".into(),

@@ -1,6 +1,6 @@
 //! A ranking as a document.
 
-use crate::comparison::{Contrast, EntryAudit, RankedEntry, RankedPair, Ranking, p_text};
+use crate::comparison::{Contrast, EntryAudit, RankedEntry, Ranking, p_text};
 use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, percent, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
@@ -88,7 +88,7 @@ fn table(ranking: &Ranking) -> Table {
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
     headings.extend(has_failed_asks.then_some("Failed\nasks %"));
     headings.extend(has_rescued.then_some("Rescued\ndrives %"));
-    let row = |(place, entry): (usize, &RankedEntry)| {
+    let rows = ranking.entries.iter().enumerate().map(|(place, entry)| {
         let against_first = ranking.pair(0, place).map(|pair| &pair.contrast);
         let interval = against_first.and_then(|contrast| contrast.interval);
         let mut cells = vec![name(entry), ranks(entry.ranks)];
@@ -99,14 +99,17 @@ fn table(ranking: &Ranking) -> Table {
         ]);
         cells.extend(Interval::ends(interval).map(|end| optional(end, decimals)));
         cells.extend(has_failed.then(|| percent(entry.failed as f64 / ranking.runs as f64)));
-        let share = |part: u64, all: u64| if all > 0 { percent(part as f64 / all as f64) } else { "-".into() };
         let queries = &entry.queries;
-        cells.extend(has_failed_queries.then(|| share(queries.failed, queries.drives + queries.failed)));
-        cells.extend(has_failed_asks.then(|| share(queries.failed_asks, queries.asks)));
-        cells.extend(has_rescued.then(|| share(queries.rescued, queries.drives)));
+        cells.extend(has_failed_queries.then(|| share_text(queries.failed, queries.drives + queries.failed)));
+        cells.extend(has_failed_asks.then(|| share_text(queries.failed_asks, queries.asks)));
+        cells.extend(has_rescued.then(|| share_text(queries.rescued, queries.drives)));
         cells
-    };
-    Table::new(&headings, ranking.entries.iter().enumerate().map(row).collect())
+    });
+    Table::new(&headings, rows.collect())
+}
+
+fn share_text(part: u64, all: u64) -> String {
+    if all > 0 { percent(part as f64 / all as f64) } else { "-".into() }
 }
 
 /// Draws how the entries differ from the first.
@@ -177,8 +180,9 @@ fn shows_all(ranking: &Ranking) -> bool {
 
 /// Pairs of entries: all, or of many each with the next.
 fn pairs(ranking: &Ranking) -> Table {
-    let is_shown = |pair: &&RankedPair| shows_all(ranking) || pair.places[0] + 1 == pair.places[1];
-    let row = |pair: &RankedPair| {
+    let headings = ["First", "Second", "Differ", "Second\n− first", "95%\nlow", "95%\nhigh", "p"];
+    let shown = ranking.pairs.iter().filter(|pair| shows_all(ranking) || pair.places[0] + 1 == pair.places[1]);
+    let rows = shown.map(|pair| {
         let [first, second] = pair.places.map(|place| name(&ranking.entries[place]));
         let Contrast { difference, interval, .. } = &pair.contrast;
         let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
@@ -186,10 +190,8 @@ fn pairs(ranking: &Ranking) -> Table {
         let ends = Interval::ends(*interval).map(|end| optional(end, decimals));
         let cells = [first, second, differs.into(), rounded(*difference, decimals)];
         cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
-    };
-    let headings = ["First", "Second", "Differ", "Second\n− first", "95%\nlow", "95%\nhigh", "p"];
-    let rows = ranking.pairs.iter().filter(is_shown).map(row).collect();
-    Table { text_columns: 3, ..Table::new(&headings, rows) }
+    });
+    Table { text_columns: 3, ..Table::new(&headings, rows.collect()) }
 }
 
 fn notes(ranking: &Ranking) -> Vec<String> {

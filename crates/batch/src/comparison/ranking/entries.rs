@@ -270,33 +270,7 @@ fn belongs_to_entry(column: &str, free: &FreeKeys) -> bool {
 /// not tell them apart.
 fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
     let is_one_table = entries.windows(2).all(|both| std::ptr::eq(both[0].table, both[1].table));
-    let levels = |entry: &EntryRuns<'_>| {
-        let entry_column = entry.levels.iter().find(|(name, _)| name == ENTRY_COLUMN);
-        let level_text = |(name, level): &(String, String)| match COLUMNS_OF_ENTRIES.contains(&name.as_str()) {
-            true => visible_start(level),
-            false => format!("{} {}", visible_start(name), visible_start(level)),
-        };
-        match entry_column {
-            Some((_, level)) => visible_start(level),
-            None => entry.levels.iter().map(level_text).collect::<Vec<_>>().join(", "),
-        }
-    };
-    let with_place = |place: String, levels: String| match () {
-        () if levels.is_empty() => place,
-        () => format!("{place} {levels}"),
-    };
-    let folder = |entry: &EntryRuns<'_>| {
-        let path = entry.table.path.parent().and_then(Path::file_name);
-        path.map_or_else(|| "runs.csv".into(), |name| visible_start(&name.to_string_lossy()))
-    };
-    let by_levels = |entry: &EntryRuns<'_>| match levels(entry) {
-        text if text.is_empty() => visible_start(entry.planner()),
-        text => text,
-    };
-    let by_folder = |entry: &EntryRuns<'_>| with_place(folder(entry), levels(entry));
-    let by_path =
-        |entry: &EntryRuns<'_>| with_place(visible_start(&entry.table.path.display().to_string()), levels(entry));
-    let ways: [&dyn Fn(&EntryRuns<'_>) -> String; 3] = [&by_levels, &by_folder, &by_path];
+    let ways: [fn(&EntryRuns<'_>) -> String; 3] = [name_by_levels, name_by_folder, name_by_path];
     for way in ways.into_iter().skip(usize::from(!is_one_table)) {
         let names: Vec<String> = entries.iter().map(way).collect();
         let distinct: BTreeSet<&String> = names.iter().collect();
@@ -305,9 +279,44 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
             return Ok(());
         }
     }
-    let names: Vec<String> = entries.iter().map(by_path).collect();
+    let names: Vec<String> = entries.iter().map(name_by_path).collect();
     let twice = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name));
     Err(RankingError::EntryTwice { name: twice.map_or_else(String::new, |(_, name)| name.clone()) })
+}
+
+fn levels_text(entry: &EntryRuns<'_>) -> String {
+    if let Some((_, level)) = entry.levels.iter().find(|(name, _)| name == ENTRY_COLUMN) {
+        return visible_start(level);
+    }
+    let texts = entry.levels.iter().map(|(name, level)| match COLUMNS_OF_ENTRIES.contains(&name.as_str()) {
+        true => visible_start(level),
+        false => format!("{} {}", visible_start(name), visible_start(level)),
+    });
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+fn at_place(place: String, levels: String) -> String {
+    if levels.is_empty() { place } else { format!("{place} {levels}") }
+}
+
+fn folder_name(entry: &EntryRuns<'_>) -> String {
+    let path = entry.table.path.parent().and_then(Path::file_name);
+    path.map_or_else(|| "runs.csv".into(), |name| visible_start(&name.to_string_lossy()))
+}
+
+fn name_by_levels(entry: &EntryRuns<'_>) -> String {
+    match levels_text(entry) {
+        text if text.is_empty() => visible_start(entry.planner()),
+        text => text,
+    }
+}
+
+fn name_by_folder(entry: &EntryRuns<'_>) -> String {
+    at_place(folder_name(entry), levels_text(entry))
+}
+
+fn name_by_path(entry: &EntryRuns<'_>) -> String {
+    at_place(visible_start(&entry.table.path.display().to_string()), levels_text(entry))
 }
 
 /// Leaves out the entries of these names.
@@ -325,11 +334,6 @@ fn leave_out(entries: &mut Vec<EntryRuns<'_>>, without: &[String]) -> Result<(),
 
 /// Columns that vary within an entry and are no entry's own; in the order of their names.
 fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
-    let varies = |entry: &EntryRuns<'_>, condition: &RunCondition| {
-        let mut levels = entry.runs.iter().map(|run| condition.of_run[run.index]);
-        let first = levels.next();
-        levels.any(|level| Some(level) != first)
-    };
     let columns: BTreeSet<String> = entries
         .iter()
         .flat_map(|entry| {
@@ -341,6 +345,12 @@ fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
         })
         .collect();
     columns.into_iter().collect()
+}
+
+fn varies(entry: &EntryRuns<'_>, condition: &RunCondition) -> bool {
+    let mut levels = entry.runs.iter().map(|run| condition.of_run[run.index]);
+    let first = levels.next();
+    levels.any(|level| Some(level) != first)
 }
 
 /// Numbers the combinations of the columns' values by their order as texts, whoever comes first, and sorts the runs of

@@ -77,11 +77,11 @@ impl Significance {
         if groups.len() > LETTERS.len() {
             return None;
         }
-        let of_entry = |entry: usize| {
+        let letters = (0..self.count).map(|entry| {
             let named = groups.iter().zip(LETTERS.chars()).filter(|(group, _)| *group >> entry & 1 == 1);
             named.map(|(_, letter)| letter).collect()
-        };
-        Some((0..self.count).map(of_entry).collect())
+        });
+        Some(letters.collect())
     }
 }
 

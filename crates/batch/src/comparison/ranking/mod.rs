@@ -170,11 +170,11 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let of_metric = metric.fields();
     let tables =
         files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
-    let settings = |table: &RunsTable| {
+    let settings = tables.iter().map(|table| {
         let settings = RecordedSettings::read(table);
         settings.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
-    };
-    let settings = tables.iter().map(settings).collect::<Result<Vec<_>, _>>()?;
+    });
+    let settings = settings.collect::<Result<Vec<_>, _>>()?;
     // Entries may differ in a key that the rules of a course free, if all of them played by such rules.
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
@@ -233,8 +233,10 @@ fn queries_of(entry: &EntryRuns<'_>) -> QueryTally {
 }
 
 fn failures_of(entry: &EntryRuns<'_>) -> Vec<(String, u64)> {
-    let sum = |counts: &[u64]| entry.runs.iter().fold(0, |sum: u64, run| sum.saturating_add(counts[run.index]));
-    let sums = entry.table.failures.iter().map(|(reason, counts)| (reason.clone(), sum(counts)));
+    let sums = entry.table.failures.iter().map(|(reason, counts)| {
+        let sum = entry.runs.iter().fold(0, |sum: u64, run| sum.saturating_add(counts[run.index]));
+        (reason.clone(), sum)
+    });
     sums.filter(|(_, sum)| *sum > 0).collect()
 }
 
@@ -275,8 +277,11 @@ fn numbers(
     let cut_off = rows.iter().flatten().flatten().filter(|_| matches!(metric.kind, MetricKind::Time { .. }));
     let cut_off = cut_off.filter_map(|row| lifetime(row)).filter(|lifetime| lifetime.is_cut_off);
     let horizon = cut_off.map(|lifetime| lifetime.time).fold(f64::INFINITY, f64::min);
-    let number = |row: &Option<Vec<f64>>| row.as_ref().map_or(f64::NAN, |row| number_of(metric, row, horizon));
-    let mut numbers: Vec<Vec<f64>> = rows.iter().map(|rows| rows.iter().map(number).collect()).collect();
+    let numbers = rows.iter().map(|rows| {
+        let of_runs = rows.iter().map(Option::as_ref);
+        of_runs.map(|row| row.map_or(f64::NAN, |row| number_of(metric, row, horizon))).collect()
+    });
+    let mut numbers: Vec<Vec<f64>> = numbers.collect();
     let finite = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
     if finite().next().is_none() && rows.iter().flatten().any(Option::is_some) {
         return Err(RankingError::NoValues { metric: metric.name.to_string() });
@@ -334,7 +339,7 @@ fn pairs(contenders: &[RankInput], runs: &[(u64, usize)], by: Option<String>, me
     let count = contenders.len();
     let places: Vec<[usize; 2]> =
         (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();
-    let contrast = |places: &[usize; 2]| {
+    let contrasts = places.par_iter().map(|places| {
         let [ours, theirs] = places.map(|place| &contenders[place].numbers);
         let numbers = ours.iter().zip(theirs);
         let pairs = runs.iter().zip(numbers).map(|(&(seed, stratum), (&ours, &theirs))| NumberPair {
@@ -343,8 +348,8 @@ fn pairs(contenders: &[RankInput], runs: &[(u64, usize)], by: Option<String>, me
             numbers: [ours, theirs],
         });
         Contrast::from_numbers(metric, pairs.collect(), by.clone()).expect("every entry has runs").0
-    };
-    let contrasts: Vec<Contrast> = places.par_iter().map(contrast).collect();
+    });
+    let contrasts: Vec<Contrast> = contrasts.collect();
     let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));
     let pairs = places.into_iter().zip(contrasts).zip(p_values);
     pairs

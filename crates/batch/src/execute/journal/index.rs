@@ -95,13 +95,12 @@ impl JournalIndex {
     pub fn read(path: &Path, file: &File, plan: &BatchPlan, slice: Slice) -> Result<Self, JournalError> {
         let mut index = Self::empty(slice, plan.count());
         let mut lines = Lines::from(path, file, LineStart::default())?;
-        let damaged = |line: u64, reason: String| JournalError::Damaged { path: path.to_owned(), line, reason };
         while let Some(LineStart { number, offset }) = lines.next()? {
             if number == 0 {
                 check_head(path, &lines.line, &Head::new(&plan.content_sha256(), slice))?;
                 continue;
             }
-            let damaged = |reason: String| damaged(number + 1, reason);
+            let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: number + 1, reason };
             let entry: Entry = decode(&lines.line).map_err(damaged)?;
             match index.place_of(entry.label.run).map_err(damaged)? {
                 LineRole::Free(place) => {
@@ -168,9 +167,14 @@ impl JournalIndex {
         self.offsets.len() as u64
     }
 
-    /// Returns the number of runs in the journal, and of those among them that are not done.
-    pub fn stored(&self) -> (u64, u64) {
-        (self.stored, self.not_done)
+    /// Returns the number of runs in the journal.
+    pub fn stored(&self) -> u64 {
+        self.stored
+    }
+
+    /// Returns how many of them are not done.
+    pub fn not_done(&self) -> u64 {
+        self.not_done
     }
 
     pub fn is_complete(&self) -> bool {
@@ -194,9 +198,14 @@ impl JournalIndex {
         &self.failures
     }
 
-    /// Returns the number of bytes of all complete lines, and whether something follows them.
-    pub fn end(&self) -> (u64, bool) {
-        (self.end, self.torn)
+    /// Returns the number of bytes of all complete lines.
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
+    /// Returns whether part of a line follows them.
+    pub fn is_torn(&self) -> bool {
+        self.torn
     }
 
     /// Returns the number of repeated lines, whose rows are equal in everything that is not measured.
@@ -229,8 +238,7 @@ impl<'a> RowReader<'a> {
         let place = self.index.slice.place_of(run).expect("the run is one of this slice");
         self.read_unchanged_line(usize::try_from(place).expect("it is in memory"))?;
         // The line was read before, so what is wrong now is a change of the format.
-        let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
-        decode(&self.line).map_err(damaged)
+        decode(&self.line).map_err(|reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason })
     }
 
     /// Refuses a journal with a line that is not the one that was written, as [`Self::row`] does.

@@ -69,30 +69,23 @@ impl LockedJournal {
     pub fn open(self, plan: &BatchPlan, slice: Slice, disk: &dyn Disk) -> Result<OpenJournal, BatchError> {
         let sha256 = plan.content_sha256();
         let mut index = JournalIndex::read(&self.path, &self.file, plan, slice)?;
-        let drop_torn = |index: &JournalIndex, path: &Path, file: &File| match index.end() {
-            (end, true) => file.set_len(end).map_err(|source| BatchError::unwritable(path, source)),
-            (_, false) => Ok(()),
-        };
-        drop_torn(&index, &self.path, &self.file)?;
+        drop_torn_line(&index, &self.path, &self.file)?;
         let Self { mut path, mut file, sync_every, local_folder } = self;
-        let writer_of = |path: &Path, file: &File| {
-            file.try_clone().map(|file| disk.journal(file)).map_err(|source| BatchError::unwritable(path, source))
-        };
         let mut home = None;
         if let Some(folder) = local_folder {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let local_path = folder.join(format!("wildfire-{}-{name}", &sha256[..16]));
             let local = copy_to(&folder, &local_path, &file)?;
-            let was_torn = index.end().1;
+            let was_torn = index.is_torn();
             index = JournalIndex::read(&local_path, &local, plan, slice)?;
-            drop_torn(&index, &local_path, &local)?;
+            drop_torn_line(&index, &local_path, &local)?;
             let end = file.metadata().map_err(|source| BatchError::unwritable(&path, source))?.len();
-            home = Some(FinalJournal { writer: writer_of(&path, &file)?, path, file, end });
+            home = Some(FinalJournal { writer: writer_of(disk, &path, &file)?, path, file, end });
             index.note_torn(was_torn);
             (path, file) = (local_path, local);
         }
-        let writer = writer_of(&path, &file)?;
-        let is_empty = index.end().0 == 0;
+        let writer = writer_of(disk, &path, &file)?;
+        let is_empty = index.end() == 0;
         let mut journal = OpenJournal { path, file, writer, index, home, sync_every, unsynced: None };
         if is_empty {
             let head = encode(&Head::new(&sha256, slice));
@@ -102,6 +95,17 @@ impl LockedJournal {
         }
         Ok(journal)
     }
+}
+
+fn writer_of(disk: &dyn Disk, path: &Path, file: &File) -> Result<Box<dyn Append>, BatchError> {
+    file.try_clone().map(|file| disk.journal(file)).map_err(|source| BatchError::unwritable(path, source))
+}
+
+fn drop_torn_line(index: &JournalIndex, path: &Path, file: &File) -> Result<(), BatchError> {
+    if !index.is_torn() {
+        return Ok(());
+    }
+    file.set_len(index.end()).map_err(|source| BatchError::unwritable(path, source))
 }
 
 /// Opens a file to be read, and written at its end, and creates it if need be.
@@ -235,7 +239,7 @@ impl OpenJournal {
             }
             Err(error) => return Err(unreadable(error)),
         }
-        let (expected, _) = self.index.end();
+        let expected = self.index.end();
         match metadata.len() {
             found if found == expected => Ok(()),
             found => changed(format!("it has {found} bytes, expected the {expected} that were written")),

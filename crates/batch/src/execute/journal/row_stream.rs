@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, ErrorKind, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -168,8 +168,8 @@ impl RowStream {
                 read_line_at(file, offset).map_err(|source| JournalError::unreadable(&self.path, source))?
             }
         };
-        let damaged = |reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason };
-        decode(&line).map(Some).map_err(damaged)
+        let path = &self.path;
+        decode(&line).map(Some).map_err(|reason| JournalError::Damaged { path: path.clone(), line: place + 2, reason })
     }
 }
 
@@ -180,26 +180,27 @@ fn in_memory(place: u64) -> usize {
 /// Counts the complete lines of a journal from a byte on, and returns the first byte behind them too: a very cheap look
 /// at its progress. Contents of lines are not read.
 pub fn count_lines(path: &Path, from: u64) -> Result<(u64, u64), JournalError> {
-    let count = || {
-        let mut file = File::open(path)?;
-        file.seek(SeekFrom::Start(from))?;
-        let mut reader = BufReader::with_capacity(1 << 18, file);
-        let (mut lines, mut read, mut end) = (0, from, from);
-        loop {
-            let part = reader.fill_buf()?;
-            if part.is_empty() {
-                return Ok((lines, end));
-            }
-            for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
-                lines += 1;
-                end = read + at as u64 + 1;
-            }
-            let bytes = part.len();
-            read += bytes as u64;
-            reader.consume(bytes);
+    count_lines_from(path, from).map_err(|source| JournalError::unreadable(path, source))
+}
+
+fn count_lines_from(path: &Path, from: u64) -> io::Result<(u64, u64)> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::Start(from))?;
+    let mut reader = BufReader::with_capacity(1 << 18, file);
+    let (mut lines, mut read, mut end) = (0, from, from);
+    loop {
+        let part = reader.fill_buf()?;
+        if part.is_empty() {
+            return Ok((lines, end));
         }
-    };
-    count().map_err(|source| JournalError::unreadable(path, source))
+        for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
+            lines += 1;
+            end = read + at as u64 + 1;
+        }
+        let bytes = part.len();
+        read += bytes as u64;
+        reader.consume(bytes);
+    }
 }
 
 #[cfg(test)]

@@ -138,13 +138,13 @@ impl CourseRequest {
             let found = name.map_err(|error| vec![error]).and_then(|name| {
                 let agent = read(path).map_err(|error| vec![error])?;
                 let name = agent.card.as_ref().map_or(name, |card| card.name.clone());
-                let of_condition = |(condition, shared): (&Condition, &mut SharedRules)| {
+                let variants = course.conditions.iter().zip(&mut shared).map(|(condition, shared)| {
                     let variant = course.variant(&agent, &name, condition)?;
                     let admitted = shared.admit(course, &variant, name.clone());
                     admitted.map_err(|message| vec![fault(path, None, &message)])?;
                     Ok(variant)
-                };
-                course.conditions.iter().zip(&mut shared).map(of_condition).collect::<Result<Vec<Variant>, _>>()
+                });
+                variants.collect::<Result<Vec<Variant>, _>>()
             });
             match found {
                 Ok(found) => {
@@ -185,17 +185,20 @@ impl CourseRequest {
 
     /// Names the agents: by their files' names without the ending, or by their paths where those are not distinct.
     fn names(&self) -> Vec<Result<String, CourseError>> {
-        let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let stems: BTreeSet<String> = self.agents.iter().map(stem).collect();
+        let stems: BTreeSet<String> = self.agents.iter().map(|path| stem(path)).collect();
         let are_distinct = stems.len() == self.agents.len();
-        let named = |(index, path): (usize, &PathBuf)| {
+        let names = self.agents.iter().enumerate().map(|(index, path)| {
             if self.agents[..index].contains(path) {
                 return Err(fault(path, None, "it is named twice; expected every agent once"));
             }
             Ok(if are_distinct { stem(path) } else { path.with_extension("").to_string_lossy().into_owned() })
-        };
-        self.agents.iter().enumerate().map(named).collect()
+        });
+        names.collect()
     }
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 impl Course {
@@ -264,17 +267,14 @@ struct Leaf {
 impl Leaf {
     /// The key as `--set` takes it; `None` if one of its steps cannot be written so.
     fn key(&self) -> Option<String> {
-        let step = |key: &String| {
-            let is_plain = |letter: char| letter.is_alphanumeric() || "_-+".contains(letter);
-            match key {
-                key if key.is_empty() => None,
-                key if key.chars().all(is_plain) => Some(key.clone()),
-                // Names of planners and policies may have dots.
-                key if key.chars().all(|letter| is_plain(letter) || letter == '.') => Some(format!("\"{key}\"")),
-                _ => None,
-            }
-        };
-        Some(self.keys.iter().map(step).collect::<Option<Vec<_>>>()?.join("."))
+        let steps = self.keys.iter().map(|key| match key {
+            key if key.is_empty() => None,
+            key if key.chars().all(is_plain) => Some(key.clone()),
+            // Names of planners and policies may have dots.
+            key if key.chars().all(|letter| is_plain(letter) || letter == '.') => Some(format!("\"{key}\"")),
+            _ => None,
+        });
+        Some(steps.collect::<Option<Vec<_>>>()?.join("."))
     }
 
     fn line_in(&self, text: &str) -> usize {
@@ -284,6 +284,10 @@ impl Leaf {
     fn change(&self, key: &str) -> String {
         format!("{key}={}", self.value)
     }
+}
+
+fn is_plain(letter: char) -> bool {
+    letter.is_alphanumeric() || "_-+".contains(letter)
 }
 
 /// The values of a table. What is below [planner.NAME] and [policy.NAME] is a value whatever it is: settings are any keys.

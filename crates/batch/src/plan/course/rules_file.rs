@@ -224,8 +224,10 @@ impl Course {
         };
         let scenario = course.scenario(&course.changes).map_err(|error| {
             let changed = course.changes.iter().zip(&rules);
-            let is_it = |change: &String| error.location.as_ref().is_some_and(|place| place.is_in(change));
-            let key = changed.into_iter().find(|(change, _)| is_it(change)).map(|(_, (leaf, _))| leaf.keys.join("."));
+            let key = changed
+                .into_iter()
+                .find(|(change, _)| error.location.as_ref().is_some_and(|place| place.is_in(change)))
+                .map(|(_, (leaf, _))| leaf.keys.join("."));
             let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(text));
             fault(path, line, &message_of(&error))
         })?;
@@ -313,9 +315,10 @@ fn scenario_of(
         *map = folder.join(&*map).to_string_lossy().into_owned();
     }
     let open = |source: &str| ScenarioText::open(source).map_err(|error| at("scenario.from", &message_of(&error)));
-    let explicit = |table: Table| leaves(table).into_iter().map(|leaf| (leaf, true));
     match table.remove("from") {
-        Some(TomlValue::String(source)) => Ok((open(&located(&source, folder))?, explicit(table).collect())),
+        Some(TomlValue::String(source)) => {
+            Ok((open(&located(&source, folder))?, leaves(table).into_iter().map(|leaf| (leaf, true)).collect()))
+        }
         Some(other) => Err(at("scenario.from", &format!("`from` is {other}; expected a name or a path as a text"))),
         None if table.is_empty() => Ok((open(USUAL_SCENARIO)?, Vec::new())),
         None => {

@@ -125,12 +125,12 @@ fn compared(compared: &Compared) -> String {
     }
     let subject = format!("{of_all}{best} {}{over}: {amount}", aim.best);
     let better_by = compared.better_by(next);
-    let (than, scale) = compared.than();
+    let scale = compared.scale();
     let decimals = decimals(&better_by, scale);
     let difference = format!(
         "{} {} than {}{}",
         rounded(scale * better_by.value, decimals),
-        than,
+        compared.than(),
         next.name,
         interval_text(&better_by, scale, decimals)
     );

@@ -30,11 +30,10 @@ struct ChartValues {
 
 impl From<ChartRow<'_>> for ChartValues {
     fn from(row: ChartRow<'_>) -> Self {
-        let cell = |name: &str| spreadsheet_cell(name).into_owned();
         Self {
-            panel: cell(row.panel),
-            series: cell(row.series),
-            x: cell(&row.x),
+            panel: spreadsheet_cell(row.panel).into_owned(),
+            series: spreadsheet_cell(row.series).into_owned(),
+            x: spreadsheet_cell(&row.x).into_owned(),
             value: row.value,
             low: row.interval.map(|(low, _)| low),
             high: row.interval.map(|(_, high)| high),
@@ -63,12 +62,13 @@ pub fn write_chart(folder: &Path, file: &str, drawing: &Drawing) -> Result<(), R
 /// Writes the data of a chart as CSV.
 pub fn write_chart_data(folder: &Path, data: &ChartData) -> Result<(), ReportError> {
     let path = folder.join(format!("{}.csv", data.file));
-    let write = || {
-        let mut table = csv::Writer::from_writer(WholeFile::create(&path)?);
-        data.rows.iter().try_for_each(|row| table.serialize(row))?;
-        table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
-    };
-    write().map_err(|source| unwritable(&path, source))
+    write_rows(&path, data).map_err(|source| unwritable(&path, source))
+}
+
+fn write_rows(path: &Path, data: &ChartData) -> io::Result<()> {
+    let mut table = csv::Writer::from_writer(WholeFile::create(path)?);
+    data.rows.iter().try_for_each(|row| table.serialize(row))?;
+    table.into_inner().map_err(csv::IntoInnerError::into_error)?.finish()
 }
 
 /// Writes a sheet of a chart, drawn at the width of the paper, as PDF and PGF if requested.
@@ -83,12 +83,11 @@ pub fn write_paper_chart(folder: &Path, file: &str, drawing: &Drawing, paper: &P
 }
 
 pub fn write_whole(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
-    let write = || {
-        let mut file = WholeFile::create(path)?;
+    let written = WholeFile::create(path).and_then(|mut file| {
         file.write_all(contents)?;
         file.finish()
-    };
-    write().map_err(|source| unwritable(path, source))
+    });
+    written.map_err(|source| unwritable(path, source))
 }
 
 pub fn unwritable(path: &Path, source: io::Error) -> ReportError {

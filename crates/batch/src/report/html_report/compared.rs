@@ -13,7 +13,7 @@ use crate::plan::BatchPlan;
 use crate::stats::Series;
 use crate::table::{Aim, Better};
 use wildfire_base::document::number::two_digits;
-use wildfire_picture::charts::{Estimate, ForestChart, Titles};
+use wildfire_picture::charts::{Estimate, ForestChart, ForestRow, Titles};
 
 /// The most rows of a chart of differences that is not over a key.
 const MAX_ROWS: usize = 60;
@@ -74,7 +74,6 @@ impl Compared {
         let planner_dimensions = planners.clone().unwrap_or_else(|| labels.besides(&[]));
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
-        let label = |variant: usize| (labels.label(variant, &planner_dimensions), labels.label(variant, &rest));
         let is_in_bushes = *quantity == *SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
             let of_seeds = variants[variant].of_seeds(quantity);
@@ -84,17 +83,22 @@ impl Compared {
                 .zip(bushes)
                 .map(move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number })
         };
-        let group = |name: String| {
-            let variant =
-                |stratum: &String| (0..variants.len()).find(|&it| label(it) == (name.clone(), stratum.clone()));
-            let of_strata: Vec<usize> = strata.iter().filter_map(variant).collect();
+        let names = labels.distinct(&planner_dimensions);
+        let planned = names.len();
+        let groups = names.into_iter().filter_map(|name| {
+            let of_strata: Vec<usize> = strata
+                .iter()
+                .filter_map(|stratum| {
+                    (0..variants.len()).find(|&variant| {
+                        labels.label(variant, &planner_dimensions) == name && labels.label(variant, &rest) == *stratum
+                    })
+                })
+                .collect();
             let numbers: Vec<f64> = of_strata.iter().flat_map(|&variant| numbers(variant)).collect();
             let has_numbers = numbers.iter().any(|number| number.is_finite());
             has_numbers.then_some(VariantGroup { name, variants: of_strata, numbers })
-        };
-        let names = labels.distinct(&planner_dimensions);
-        let planned = names.len();
-        let mut groups: Vec<VariantGroup> = names.into_iter().filter_map(group).collect();
+        });
+        let mut groups: Vec<VariantGroup> = groups.collect();
         // Where runs failed, means are over what all have finished, or one that fails in hard runs would lead.
         let places = groups.iter().map(|group| group.numbers.len()).min().unwrap_or(0);
         let common: Vec<usize> =
@@ -109,7 +113,7 @@ impl Compared {
         let by = if strata.len() > 1 { listed(&labels.heads(&rest, plan)) } else { String::new() };
         // One whose differences have the same size.
         let metric = if *quantity == *SAVED && !is_in_bushes { "burned_ratio" } else { &quantity.name };
-        let contrast = |other: &VariantGroup| {
+        let contrasts = groups.iter().map(|other| {
             let mut pairs = Vec::new();
             for (stratum, (&ours, &theirs)) in best.variants.iter().zip(&other.variants).enumerate() {
                 let of_seeds = plan.seeds.iter().zip(numbers(ours).zip(numbers(theirs)));
@@ -121,8 +125,8 @@ impl Compared {
             }
             pairs.retain(|pair| pair.numbers.iter().all(|number| number.is_finite()));
             Contrast::from_numbers(&Metric::from_name(metric), pairs, (strata.len() > 1).then(|| by.clone()))
-        };
-        let contrasts: Vec<_> = groups.iter().map(contrast).collect();
+        });
+        let contrasts: Vec<_> = contrasts.collect();
         let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
         let others = groups.into_iter().zip(contrasts).map(|(VariantGroup { name, variants, .. }, contrast)| Other {
             name,
@@ -146,13 +150,14 @@ impl Compared {
         })
     }
 
-    /// Returns the words for a difference from the best, and the factor of the difference in them.
-    pub fn than(&self) -> (&'static str, f64) {
-        if self.is_in_bushes {
-            ("more bushes per run", 1.0)
-        } else {
-            (self.aim.than, self.quantity.unit_and_factor().1)
-        }
+    /// Returns the words for a difference from the best.
+    pub fn than(&self) -> &'static str {
+        if self.is_in_bushes { "more bushes per run" } else { self.aim.than }
+    }
+
+    /// Returns the factor of a difference in the words of [`Self::than`].
+    pub fn scale(&self) -> f64 {
+        if self.is_in_bushes { 1.0 } else { self.quantity.unit_and_factor().1 }
     }
 
     /// Returns by how much the best is better than another.
@@ -205,20 +210,21 @@ impl Compared {
 
     /// Returns a row for each of the others, and for each stratum where that matters.
     pub fn forest(&self) -> ForestChart {
-        let row = |name: &String, judged: &JudgedContrast| {
-            let half_width = judged.contrast.interval.map(|ends| 0.5 * (ends.high - ends.low));
-            let decimals = half_width.map_or(2, |half| two_digits(half).min(6));
-            judged.contrast.forest_row(name.clone(), decimals, judged.verdict == Verdict::Difference)
-        };
         let rows = self.others.iter().flat_map(|other| {
             let strata = other.strata().filter(|_| other.varies_by_stratum());
-            let strata = strata.map(|(index, judged)| row(&self.strata[*index], judged));
-            other.judged.iter().map(|judged| row(&other.name, judged)).chain(strata)
+            let strata = strata.map(|(index, judged)| forest_row(&self.strata[*index], judged));
+            other.judged.iter().map(|judged| forest_row(&other.name, judged)).chain(strata)
         });
         let Titles { title, note, y, .. } = self.titles();
         let titles = Titles { title, note, x: y, y: String::new() };
         ForestChart { titles, rows: rows.take(MAX_ROWS).collect() }
     }
+}
+
+fn forest_row(name: &str, judged: &JudgedContrast) -> ForestRow {
+    let half_width = judged.contrast.interval.map(|ends| 0.5 * (ends.high - ends.low));
+    let decimals = half_width.map_or(2, |half| two_digits(half).min(6));
+    judged.contrast.forest_row(name.to_owned(), decimals, judged.verdict == Verdict::Difference)
 }
 
 /// What does not say its better side, such as the burned area, is something lost.

@@ -102,9 +102,10 @@ impl FigureSource<'_> {
         let quantity = main_quantity(variants);
         let compared = Compared::new(quantity, self.plan, variants);
         let differences = compared.as_ref().and_then(|it| main_differences(self.plan, it));
-        let curves = || main_curves(self.plan, variants, quantity);
         let are_planners = compared.as_ref().is_some_and(|it| it.are_planners);
-        if let Some(chart) = differences.or_else(|| if are_planners { None } else { curves() }) {
+        let chart =
+            differences.or_else(|| if are_planners { None } else { main_curves(self.plan, variants, quantity) });
+        if let Some(chart) = chart {
             if figures.admits("the answer", chart.panels.len()) {
                 figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
@@ -207,17 +208,12 @@ impl MeansChart {
     }
 
     fn bars(&self, panels: &[Facet], values: &[Values]) -> BarChart {
-        let is_used = |quantity: &'static Metric| {
+        let quantities = self.quantities.iter().copied().filter(|quantity| {
             let mut series = panels.iter().flat_map(|panel| &panel.series);
             !is_of_custom_planners(quantity)
                 || series.any(|it| values[it.variants[0]].mean(quantity).is_some_and(|mean| mean.value > 0.0))
-        };
-        let quantities: Vec<&'static Metric> = self.quantities.iter().copied().filter(|&it| is_used(it)).collect();
-        let of_series = |series: &FacetSeries| {
-            let values = &values[series.variants[0]];
-            let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
-            BarSeries { name: series.name.clone(), style: series.style, bars }
-        };
+        });
+        let quantities: Vec<&'static Metric> = quantities.collect();
         BarChart {
             titles: Titles {
                 title: self.title.clone(),
@@ -228,9 +224,13 @@ impl MeansChart {
             groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
             panels: panels
                 .iter()
-                .map(|panel| BarPanel {
-                    name: panel.name.clone(),
-                    series: panel.series.iter().map(of_series).collect(),
+                .map(|panel| {
+                    let series = panel.series.iter().map(|series| {
+                        let values = &values[series.variants[0]];
+                        let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
+                        BarSeries { name: series.name.clone(), style: series.style, bars }
+                    });
+                    BarPanel { name: panel.name.clone(), series: series.collect() }
                 })
                 .collect(),
         }
@@ -239,10 +239,11 @@ impl MeansChart {
 
 /// Returns the quantity by which variants are compared primarily.
 pub fn main_quantity(variants: &[Values]) -> &'static Metric {
-    let has = |quantity: &Metric| {
-        variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()))
-    };
-    if !has(&SAVED) && has(&BURNED_AREA) { &BURNED_AREA } else { &SAVED }
+    if !has_values(variants, &SAVED) && has_values(variants, &BURNED_AREA) { &BURNED_AREA } else { &SAVED }
+}
+
+fn has_values(variants: &[Values], quantity: &Metric) -> bool {
+    variants.iter().any(|values| values.of_seeds(quantity).iter().any(|number| !number.is_nan()))
 }
 
 /// The share of its runs that a variant has at one value whose distribution says no more than that value.
@@ -250,17 +251,18 @@ const ALMOST_ALL: f64 = 0.95;
 
 /// Returns the distributions; where each of them is one value, or nearly, a sentence of the page that says so.
 fn distribution(quantity: &'static Metric, panels: &[Facet], values: &[Values]) -> Result<StripChart, String> {
-    let strip = |series: &FacetSeries| strip(series, values[series.variants[0]].numbers(quantity));
-    let panels: Vec<StripPanel> = panels
-        .iter()
-        .map(|panel| StripPanel { name: panel.name.clone(), strips: panel.series.iter().map(strip).collect() })
-        .collect();
+    let panels = panels.iter().map(|panel| StripPanel {
+        name: panel.name.clone(),
+        strips: panel.series.iter().map(|series| strip(series, values[series.variants[0]].numbers(quantity))).collect(),
+    });
+    let panels: Vec<StripPanel> = panels.collect();
     let strips: Vec<&Strip> = panels.iter().flat_map(|panel| &panel.strips).collect();
     let commonest = strips.iter().map(|strip| commonest(&strip.values)).collect::<Vec<_>>();
-    let says_nothing = |(strip, (_, count)): (&&Strip, &(f64, usize))| {
-        strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64
-    };
-    if strips.iter().zip(&commonest).all(says_nothing) {
+    let say_nothing = strips
+        .iter()
+        .zip(&commonest)
+        .all(|(strip, (_, count))| strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64);
+    if say_nothing {
         return Err(constant_text(quantity, &strips, &commonest));
     }
     Ok(StripChart {

@@ -29,14 +29,13 @@ pub struct Dimension {
 
 impl Labels {
     pub fn new(plan: &BatchPlan) -> Self {
-        let variants = || plan.variants.iter();
-        let names: Vec<String> = variants().map(|variant| variant.scenario.name.clone()).collect();
-        let sources: Vec<String> = variants().map(|variant| variant.source.clone()).collect();
+        let names: Vec<String> = plan.variants.iter().map(|variant| variant.scenario.name.clone()).collect();
+        let sources: Vec<String> = plan.variants.iter().map(|variant| variant.source.clone()).collect();
         // Two files may hold scenarios of one name.
         let scenarios = if follows(&names, &sources) { names } else { sources };
-        let planners = variants().map(|variant| planner_of(&variant.scenario)).collect();
+        let planners = plan.variants.iter().map(|variant| planner_of(&variant.scenario)).collect();
         let swept = plan.swept_keys.iter().enumerate().map(|(index, key)| {
-            let texts = variants().map(|variant| format!("{key} {}", variant.swept[index])).collect();
+            let texts = plan.variants.iter().map(|variant| format!("{key} {}", variant.swept[index])).collect();
             Dimension { key: Some(index), texts, place: index + 2 }
         });
         let all = [
@@ -82,11 +81,11 @@ impl Labels {
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (index, dimension) in self.dimensions.iter().enumerate() {
-            let goes_with = |group: &&mut Vec<usize>| {
+            let alike = groups.iter_mut().find(|group| {
                 let other = &self.dimensions[group[0]].texts;
                 follows(other, &dimension.texts) && follows(&dimension.texts, other)
-            };
-            match groups.iter_mut().find(goes_with) {
+            });
+            match alike {
                 Some(group) => group.push(index),
                 None => groups.push(vec![index]),
             }
@@ -101,8 +100,8 @@ impl Labels {
             self.dimensions.iter().position(|dimension| dimension.key.is_none() && dimension.place == PLANNERS)?;
         let planners = self.groups().into_iter().find(|group| group.contains(&planner_name))?;
         let all: Vec<usize> = (0..self.dimensions.len()).collect();
-        let count = |dimensions: &[usize]| self.distinct(dimensions).len();
-        (count(&planners) * count(&self.besides(&planners)) == count(&all)).then_some(planners)
+        (self.distinct(&planners).len() * self.distinct(&self.besides(&planners)).len() == self.distinct(&all).len())
+            .then_some(planners)
     }
 
     /// Returns all other dimensions.
@@ -114,13 +113,13 @@ impl Labels {
     pub fn heads(&self, dimensions: &[usize], plan: &BatchPlan) -> Vec<String> {
         let mut parts: Vec<&Dimension> = dimensions.iter().map(|&index| &self.dimensions[index]).collect();
         parts.sort_by_key(|dimension| dimension.place);
-        let head = |dimension: &Dimension| match (dimension.key, dimension.place) {
+        let heads = parts.into_iter().map(|dimension| match (dimension.key, dimension.place) {
             (Some(key), _) => plan.swept_keys[key].clone(),
             (None, 0) => "scenario".into(),
             (None, PLANNERS) => "planner".into(),
             _ => "variant".into(),
-        };
-        parts.into_iter().map(head).collect()
+        });
+        heads.collect()
     }
 
     /// Returns the name of a variant by these dimensions, or its scenario's name if there are none.

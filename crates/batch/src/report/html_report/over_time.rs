@@ -71,13 +71,13 @@ fn rows_of(group: &RowGroup<'_>) -> Result<Vec<StateRow>, String> {
     let runs = group.counts("run")?;
     let times = group.numbers("t_s")?;
     let states = STATES.iter().map(|state| group.counts(&state.name)).collect::<Result<Vec<_>, _>>()?;
-    let row = |(index, (&run, &t_s)): (usize, (&u64, &f64))| {
+    let rows = runs.iter().zip(&times).enumerate().map(|(index, (&run, &t_s))| {
         let counts: [f64; STATES.len()] = std::array::from_fn(|state| states[state][index] as f64);
         let all: f64 = counts.iter().sum();
         let shares = counts.map(|count| if all > 0.0 { count / all } else { 0.0 });
         if run == 0 { Err("runs are numbered from 1".into()) } else { Ok(StateRow { run, t_s, shares }) }
-    };
-    runs.iter().zip(&times).enumerate().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// Shares in the runs of a variant, by points of time.

@@ -139,8 +139,9 @@ impl<'a> PageCharts<'a> {
             [(self.paper.pdf, "pdf"), (self.paper.pgf, "pgf")].into_iter().filter(|(is_requested, _)| *is_requested);
         let for_paper = for_paper.map(|(_, ending)| path(&format!("{}.{ending}", figure.file)));
         // All narrow sheets of a chart stand where its first sheet does.
-        let is_first = |narrow: &&Figure| figure.file == figure.data && narrow.data == figure.data;
-        let narrow = self.narrow.drawn.iter().filter(is_first).map(|narrow| narrow.drawing.to_svg());
+        let drawn = self.narrow.drawn.iter();
+        let narrow = drawn.filter(|narrow| figure.file == figure.data && narrow.data == figure.data);
+        let narrow = narrow.map(|narrow| narrow.drawing.to_svg());
         Block::Figure(document::Figure {
             svg: document::wide_and_narrow(&figure.drawing.to_svg(), &narrow.collect::<String>()),
             file: Some(path(&figure.file)),
@@ -175,14 +176,14 @@ fn files(batch: &FinishedBatch) -> Vec<Block> {
 
 /// Links to the pages that play runs.
 fn runs_to_play(plan: &BatchPlan, playing: &[NotableRun]) -> Vec<Block> {
-    let link = |notable: &NotableRun| {
+    let links = playing.iter().map(|notable| {
         let run = plan.run(notable.number);
         let title = plan.title(run.variant);
         let percent = 100.0 * notable.burned_ratio;
         let text = format!("{}: {title}, seed {}, {percent:.1} % of the bushes burned", notable.word, run.seed);
         (text, notable.page())
-    };
-    if playing.is_empty() { Vec::new() } else { vec![Block::Links(playing.iter().map(link).collect())] }
+    });
+    if playing.is_empty() { Vec::new() } else { vec![Block::Links(links.collect())] }
 }
 
 fn tables(collected: &Collected) -> Vec<Block> {

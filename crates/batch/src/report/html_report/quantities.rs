@@ -82,8 +82,10 @@ impl SelectedQuantities {
 
     /// Returns the places of the requested columns among [`RUN_COLUMNS`].
     pub fn places(&self) -> Vec<usize> {
-        let place = |metric: &Metric| RUN_COLUMNS.iter().position(|column| column.name == metric.name);
-        self.requested.iter().filter_map(|metric| place(metric)).collect()
+        self.requested
+            .iter()
+            .filter_map(|metric| RUN_COLUMNS.iter().position(|column| column.name == metric.name))
+            .collect()
     }
 
     /// Returns the requested quantities.
@@ -98,8 +100,7 @@ impl SelectedQuantities {
 
     /// Returns the quantities whose distributions, and means over swept keys, are shown.
     pub fn of_runs(&self) -> Vec<&'static Metric> {
-        let usual = || STATES.iter().chain(&MEASURES).collect();
-        if self.requested.is_empty() { usual() } else { self.requested.clone() }
+        if self.requested.is_empty() { STATES.iter().chain(&MEASURES).collect() } else { self.requested.clone() }
     }
 
     /// Returns all quantities that are kept of a run: for the answer, and for charts.
@@ -114,11 +115,13 @@ impl SelectedQuantities {
 }
 
 fn column_of_numbers(name: &str) -> Result<usize, ReportError> {
-    let names = || RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name);
     match RUN_COLUMNS.iter().position(|column| column.name == name) {
         Some(place) if RUN_COLUMNS[place].holds_numbers() => Ok(place),
         Some(_) => Err(ReportError::NoNumbers { name: name.to_owned() }),
-        None => Err(ReportError::UnknownColumn { name: visible_start(name), nearest: nearest_name(name, names()) }),
+        None => {
+            let names = RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name);
+            Err(ReportError::UnknownColumn { name: visible_start(name), nearest: nearest_name(name, names) })
+        }
     }
 }
 

@@ -64,14 +64,15 @@ pub fn main_differences(plan: &BatchPlan, compared: &Compared) -> Option<CurveCh
 /// Returns the key that takes most numbers, with its value for each variant.
 fn main_key(plan: &BatchPlan) -> Option<(usize, Vec<f64>)> {
     let keys = (0..plan.swept_keys.len()).filter_map(|key| Some((key, places(plan, key)?)));
-    let count = |places: &[f64]| {
-        let mut distinct = places.to_vec();
-        distinct.sort_by(f64::total_cmp);
-        distinct.dedup();
-        distinct.len()
-    };
     // Of keys with equally many values the first.
-    keys.reduce(|one, next| if count(&next.1) > count(&one.1) { next } else { one })
+    keys.reduce(|one, next| if count_distinct(&next.1) > count_distinct(&one.1) { next } else { one })
+}
+
+fn count_distinct(places: &[f64]) -> usize {
+    let mut distinct = places.to_vec();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    distinct.len()
 }
 
 /// Returns the values of a swept key, by variant; `None` where they are no numbers, or all are equal: an axis needs a number

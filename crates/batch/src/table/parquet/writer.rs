@@ -147,7 +147,7 @@ fn properties(columns: &[FileColumn], metadata: &[(&str, String)]) -> WriterProp
 }
 
 fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {
-    let field = |column: &FileColumn| {
+    let fields = columns.iter().map(|column| {
         let (physical, logical) = match column.kind {
             Kind::Count => (Physical::INT64, None),
             Kind::LargeCount => (Physical::INT64, Some(LogicalType::integer(64, false))),
@@ -158,9 +158,8 @@ fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {
         let repetition = if column.is_required { Repetition::REQUIRED } else { Repetition::OPTIONAL };
         let field = Type::primitive_type_builder(&column.name, physical).with_repetition(repetition);
         field.with_logical_type(logical).build().map(Arc::new)
-    };
-    let fields = columns.iter().map(field).collect::<Result<_, _>>()?;
-    Type::group_type_builder("wildfire").with_fields(fields).build()
+    });
+    Type::group_type_builder("wildfire").with_fields(fields.collect::<Result<_, _>>()?).build()
 }
 
 fn write_columns(
