@@ -91,7 +91,6 @@ impl Citation {
     /// Says which commit it was and which runs there were, as far as there is something to say.
     fn note(&self) -> String {
         let commit = self.commit.iter().map(|commit| format!("Commit {}", in_bibtex(commit)));
-        let list = |names: &[String]| names.iter().map(|name| in_bibtex(name)).collect::<Vec<_>>().join(", ");
         let batch = self.batch.iter().flat_map(|batch| {
             let CitedBatch { scenarios, planners, swept, seeds, runs, content_sha256, .. } = batch;
             let mut parts = vec![format!("Scenarios: {}", list(scenarios)), format!("planners: {}", list(planners))];
@@ -101,6 +100,10 @@ impl Citation {
         });
         commit.chain(batch).collect::<Vec<_>>().join("; ")
     }
+}
+
+fn list(names: &[String]) -> String {
+    names.iter().map(|name| in_bibtex(name)).collect::<Vec<_>>().join(", ")
 }
 
 /// An entry that classic styles know as well as those of biblatex, which print the version by itself.

@@ -4,7 +4,7 @@
 //! anything else, such as a scenario or the file of one, has no such list, since it would refuse the rest. So the scripts
 //! that `clap` writes are extended: they offer the names, and every other value is still taken.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 use clap::{Arg, Command, ValueHint};
 use clap_complete::Shell;
@@ -54,25 +54,21 @@ impl Names {
     }
 
     fn candidates(self) -> Vec<String> {
-        let scenarios = || BUILT_IN.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>();
-        let planners = || TruckPlannerKind::ALL.map(|kind| kind.name().to_owned()).to_vec();
         let columns = RUN_COLUMNS.iter().filter(|column| column.holds_numbers()).map(|column| column.name.to_owned());
-        let set = |key: &str, names: &[&str]| names.iter().map(|name| format!("{key}={name}")).collect::<Vec<_>>();
-        let owned = |key: &str, names: Vec<String>| set(key, &names.iter().map(String::as_str).collect::<Vec<_>>());
         match self {
-            Self::Scenarios => scenarios(),
-            Self::Planners => planners(),
+            Self::Scenarios => scenario_names(),
+            Self::Planners => planner_names(),
             Self::Columns => columns.collect(),
             Self::Metrics => NAMED_METRICS.iter().map(|metric| metric.name.to_owned()).chain(columns).collect(),
             Self::Settings => [
-                owned("unimog.planner", planners()),
-                set("unimog.goal", &TruckGoal::BUILT_IN),
-                set("wumpus.goal", &WumpusGoal::BUILT_IN),
-                set("dispatch.policy", &DispatchPolicy::ALL.map(DispatchPolicy::name)),
-                set("dispatch.idle", &IdleRule::ALL.map(IdleRule::name)),
+                with_key("unimog.planner", &planner_names()),
+                with_key("unimog.goal", &TruckGoal::BUILT_IN),
+                with_key("wumpus.goal", &WumpusGoal::BUILT_IN),
+                with_key("dispatch.policy", &DispatchPolicy::ALL.map(DispatchPolicy::name)),
+                with_key("dispatch.idle", &IdleRule::ALL.map(IdleRule::name)),
             ]
             .concat(),
-            Self::Choices => [owned("scenario", scenarios()), owned("planner", planners())].concat(),
+            Self::Choices => [with_key("scenario", &scenario_names()), with_key("planner", &planner_names())].concat(),
             Self::Divisions => ["scenario", "planner", "policy"].map(str::to_owned).to_vec(),
         }
     }
@@ -107,6 +103,18 @@ impl Names {
             Self::Divisions => (ValueHint::ExecutablePath, ":_absolute_command_paths"),
         }
     }
+}
+
+fn planner_names() -> Vec<String> {
+    TruckPlannerKind::ALL.map(|kind| kind.name().to_owned()).to_vec()
+}
+
+fn with_key(key: &str, names: &[impl Display]) -> Vec<String> {
+    names.iter().map(|name| format!("{key}={name}")).collect()
+}
+
+fn scenario_names() -> Vec<String> {
+    BUILT_IN.iter().map(|(name, _)| (*name).to_owned()).collect::<Vec<_>>()
 }
 
 /// Returns the script that completes the program's arguments in a shell.
@@ -213,13 +221,6 @@ _wildfire_with_names() {
 
 /// The script of `clap` with functions of ours where an argument takes names.
 fn zsh(program: Command) -> String {
-    let marked = |command: Command| {
-        let name = command.get_name().to_owned();
-        command.mut_args(|argument| match Names::of_argument(&name, &argument) {
-            Some(names) => argument.value_hint(names.mark().0),
-            None => argument,
-        })
-    };
     let commands: Vec<String> = program.get_subcommands().map(|command| command.get_name().to_owned()).collect();
     let program = commands.iter().fold(program, |program, name| program.mut_subcommand(name, marked));
     let mut script = generated(Shell::Zsh, program);
@@ -234,6 +235,14 @@ fn zsh(program: Command) -> String {
     let end = script.find("if [ \"$funcstack[1]\"").expect("the script registers its function at its end");
     script.insert_str(end, &functions);
     script
+}
+
+fn marked(command: Command) -> Command {
+    let name = command.get_name().to_owned();
+    command.mut_args(|argument| match Names::of_argument(&name, &argument) {
+        Some(names) => argument.value_hint(names.mark().0),
+        None => argument,
+    })
 }
 
 /// The script of `clap`, and more lines for arguments that take names.

@@ -174,8 +174,8 @@ fn format_of(arguments: &ExportArguments) -> Result<ExportFormat, CliError> {
     }
     let ending = arguments.out.extension().unwrap_or_default();
     let by_ending = ExportFormat::value_variants().iter().copied();
-    let possible_value = |format: ExportFormat| format.to_possible_value().expect("none is hidden");
-    let mut named = by_ending.filter(|&format| ending.eq_ignore_ascii_case(possible_value(format).get_name()));
+    let mut named = by_ending
+        .filter(|&format| ending.eq_ignore_ascii_case(format.to_possible_value().expect("none is hidden").get_name()));
     named.next().ok_or_else(|| {
         let sentence = match is_standard_stream(&arguments.out) {
             true => "- (stdout) has no ending that selects a format; expected --format json, npz or mcap".to_owned(),

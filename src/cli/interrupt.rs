@@ -145,7 +145,7 @@ mod announcer {
     /// Starts the thread; if the system gives none, only the announcement is missing.
     pub fn start(code: u8, longest_tidying: Duration) {
         let Ok(mut signals) = Signals::new(ending_signals()) else { return };
-        let wait = move || {
+        let _ = thread::Builder::new().spawn(move || {
             if signals.forever().next().is_some() {
                 // On a thread of its own: stderr may be the very thing that is stuck.
                 let _ = thread::Builder::new().spawn(announce);
@@ -153,7 +153,6 @@ mod announcer {
                 thread::sleep(longest_tidying);
                 low_level::exit(code.into());
             }
-        };
-        let _ = thread::Builder::new().spawn(wait);
+        });
     }
 }

@@ -176,18 +176,21 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             Content::Word(allowed) => allowed.iter().position(|word| Some(*word) == text).map(|place| place as f64),
             Content::Text => Some(f64::NAN),
         };
-        let expected = || match &column.content {
-            Content::Number(range) => format!("a number {}", numbers::range_text(range)),
-            Content::Class(last) => format!("a whole number from 0 to {last}"),
-            Content::Word(allowed) => allowed.join(" or "),
-            Content::Text => String::new(),
-        };
-        number.ok_or_else(|| self.fault(field, column.name, expected()))
+        number.ok_or_else(|| self.fault(field, column.name, expected(&column.content)))
     }
 
     fn fault(&self, field: &[u8], column: &'static str, expected: String) -> TableFault {
         let found = String::from_utf8_lossy(field).chars().take(SHOWN).collect();
         TableFault::Number { line: self.rows.line(), column, found, expected }
+    }
+}
+
+fn expected(content: &Content) -> String {
+    match content {
+        Content::Number(range) => format!("a number {}", numbers::range_text(range)),
+        Content::Class(last) => format!("a whole number from 0 to {last}"),
+        Content::Word(allowed) => allowed.join(" or "),
+        Content::Text => String::new(),
     }
 }
 

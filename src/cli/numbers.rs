@@ -9,8 +9,11 @@ use std::str::FromStr;
 /// Ranges that begin at 0 hold -0.0 too, and what is computed from it is not what is computed from 0: its inverse, its
 /// sign, its place in a total order.
 pub fn parse<T: FromStr>(text: &str) -> Option<T> {
-    let is_zero = |digits: &&str| !digits.starts_with(['+', '-']) && digits.parse() == Ok(0.0);
-    text.strip_prefix('-').filter(is_zero).unwrap_or(text).parse().ok()
+    text.strip_prefix('-')
+        .filter(|digits| !digits.starts_with(['+', '-']) && digits.parse() == Ok(0.0))
+        .unwrap_or(text)
+        .parse()
+        .ok()
 }
 
 /// Reads a number that lies in a range.

@@ -151,15 +151,15 @@ impl<'a> Files<'a> {
         }
         let mut seen: Vec<PathBuf> =
             self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
-        let files = || self.outputs.iter().filter(|(_, path)| !is_standard_stream(path));
-        for &(_, path) in files() {
+        let files = self.outputs.iter().filter(|(_, path)| !is_standard_stream(path));
+        for &(_, path) in files.clone() {
             if seen.contains(&resolved(path)) {
                 let sentence = format_args!("{} is named for two files", path.display()).to_string();
                 return Err(CliError::bad_input(sentence, Some("the input and every output need different names")));
             }
             seen.push(resolved(path));
         }
-        for &(format, path) in files() {
+        for &(format, path) in files {
             check_place(path)?;
             format.check(path)?;
         }
@@ -169,8 +169,10 @@ impl<'a> Files<'a> {
 
 /// The path without links and detours, as far as it exists: one name for one file.
 fn resolved(path: &Path) -> PathBuf {
-    let in_parent = || Some(fs::canonicalize(parent_of(path)).ok()?.join(path.file_name()?));
-    fs::canonicalize(path).ok().or_else(in_parent).unwrap_or_else(|| path.to_owned())
+    fs::canonicalize(path)
+        .ok()
+        .or_else(|| Some(fs::canonicalize(parent_of(path)).ok()?.join(path.file_name()?)))
+        .unwrap_or_else(|| path.to_owned())
 }
 
 fn parent_of(path: &Path) -> &Path {

@@ -26,7 +26,7 @@ use wildfire_batch::table::RunRecord;
 use wildfire_scenario::{self as scenario, Scenario};
 use wildfire_sim::RunOptions;
 use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
-use wildfire_timeline::{AgentId, AgentOutcome, GroundOutcome, Outcome, Role, Timeline, Winner, file};
+use wildfire_timeline::{AgentId, GroundOutcome, Outcome, Role, Timeline, Winner, file};
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -202,8 +202,8 @@ fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
 }
 
 pub fn write_recording(path: &Path, timeline: &Timeline) -> Result<(), CliError> {
-    let unwritable = |error| CliError::environment(format_args!("cannot write {}: {error}", path.display()));
-    file::write(timeline, path).map_err(unwritable)
+    file::write(timeline, path)
+        .map_err(|error| CliError::environment(format_args!("cannot write {}: {error}", path.display())))
 }
 
 /// The result of a run.
@@ -241,14 +241,17 @@ impl From<&RunReport> for Document {
 }
 
 fn states(outcome: &Outcome) -> Table {
-    let row = |state: &str, count: u32, ratio: f64| vec![state.to_owned(), count.to_string(), rounded(ratio, 3)];
     let rows = vec![
-        row("intact", outcome.intact, outcome.intact_ratio()),
-        row("burned", outcome.burned(), outcome.burned_ratio()),
-        row("extinguished", outcome.extinguished, outcome.extinguished_ratio()),
+        state_row("intact", outcome.intact, outcome.intact_ratio()),
+        state_row("burned", outcome.burned(), outcome.burned_ratio()),
+        state_row("extinguished", outcome.extinguished, outcome.extinguished_ratio()),
         vec!["all".into(), outcome.obstacles.to_string(), String::new()],
     ];
     Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Obstacles", "total", "ratio"], rows) }
+}
+
+fn state_row(state: &str, count: u32, ratio: f64) -> Vec<String> {
+    vec![state.to_owned(), count.to_string(), rounded(ratio, 3)]
 }
 
 fn fires(outcome: &Outcome) -> String {
@@ -297,14 +300,14 @@ fn verdict(result: &RunResult) -> String {
 }
 
 fn agents(outcome: &Outcome) -> Table {
-    let row = |agent: &AgentOutcome| {
+    let rows = outcome.agents.iter().map(|agent| {
         let failed = agent.failures.sum();
         let counts = [agent.cells, agent.plans, failed].map(|count| count.to_string());
         let measures =
             [agent.distance_m, agent.driving_s, agent.planning_s, agent.suppressing_s, agent.standing_s, agent.stuck_s];
         let measures = measures.map(|measure| rounded(measure, 1));
         [agent.agent.to_string()].into_iter().chain(counts).chain(measures).collect()
-    };
+    });
     let headings = [
         "Agent",
         "cells",
@@ -317,7 +320,7 @@ fn agents(outcome: &Outcome) -> Table {
         "standing\ns",
         "stuck\ns",
     ];
-    Table::new(&headings, outcome.agents.iter().map(row).collect())
+    Table::new(&headings, rows.collect())
 }
 
 /// The phases that only some runs have: with a dispatched team, with planners or policies that are not built in.
@@ -344,20 +347,26 @@ fn cpu_times(result: &RunResult) -> Table {
         ("everything else", cpu.rest_s()),
         ("whole run", cpu.run_s),
     ];
-    let share = |seconds: f64| if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
-    let is_optional = |phase| OPTIONAL.contains(&phase) || ROADMAP.contains(&phase) && cpu.has_custom_planner();
-    let shown = parts.into_iter().filter(|&(phase, seconds)| seconds > 0.0 || !is_optional(phase));
-    let rows: Vec<_> =
-        shown.map(|(phase, seconds)| vec![phase.to_owned(), rounded(seconds * 1e3, 3), share(seconds)]).collect();
+    let shown = parts.into_iter().filter(|&(phase, seconds)| {
+        seconds > 0.0 || !(OPTIONAL.contains(&phase) || ROADMAP.contains(&phase) && cpu.has_custom_planner())
+    });
+    let rows = shown.map(|(phase, seconds)| {
+        let share = if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
+        vec![phase.to_owned(), rounded(seconds * 1e3, 3), share]
+    });
+    let rows: Vec<_> = rows.collect();
     Table { rules_before: vec![rows.len() - 1], ..Table::new(&["Phase", "CPU\nms", "%"], rows) }
 }
 
 fn cpu_per_plan(result: &RunResult) -> String {
-    let per_plan = |cpu_s: f64, plans: u32| rounded(1e6 * cpu_s / f64::from(plans.max(1)), 1);
     let truck_plans = result.trucks().map(|agent| agent.plans).sum();
     let wumpus_plans = result.wumpuses().map(|agent| agent.plans).sum();
     let queries_s = result.cpu.roadmap_search_s + result.cpu.local_search_s + result.cpu.custom_queries_s;
-    let truck = per_plan(queries_s, truck_plans);
-    let wumpus = per_plan(result.cpu.wumpus_s, wumpus_plans);
+    let truck = us_per_plan(queries_s, truck_plans);
+    let wumpus = us_per_plan(result.cpu.wumpus_s, wumpus_plans);
     format!("CPU per plan: truck {truck} us ({truck_plans} plans), Wumpus {wumpus} us ({wumpus_plans} plans).")
+}
+
+fn us_per_plan(cpu_s: f64, plans: u32) -> String {
+    rounded(1e6 * cpu_s / f64::from(plans.max(1)), 1)
 }

@@ -330,7 +330,6 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
     let frame = scenario.field.frame();
     let imported = scenario.field.imported.as_ref().expect("it has a map");
     let bushes = imported.occupied.values().iter().filter(|&&occupied| occupied).count();
-    let metres = |side_m: f64| number_text((1e3 * side_m).round() / 1e3);
     let [wumpus, truck] = [scenario.wumpus[0].start_m, [scenario.unimog[0].start.x_m, scenario.unimog[0].start.y_m]];
     Ok(format!(
         "# A contest on the map {}. Omitted values have their defaults; `wildfire check FILE` lists all values,\n# \
@@ -347,14 +346,18 @@ fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, qu
         frame.cols,
         frame.rows,
         frame.cell_m,
-        metres(frame.width_m()),
-        metres(frame.height_m()),
+        metres_text(frame.width_m()),
+        metres_text(frame.height_m()),
         percent(imported.coverage()),
         toml::Value::from(wumpus[0]),
         toml::Value::from(wumpus[1]),
         toml::Value::from(truck[0]),
         toml::Value::from(truck[1]),
     ))
+}
+
+fn metres_text(side_m: f64) -> String {
+    number_text((1e3 * side_m).round() / 1e3)
 }
 
 /// Lists notes on a map, as `wildfire map` does.
@@ -391,15 +394,18 @@ fn field_table(map: &str, options: &MapArguments) -> String {
 
 /// The path of a file from a folder: up to where both lie and down again.
 fn relative_path(file: &Path, folder: &Path) -> Result<PathBuf, CliError> {
-    let whole = |path: &Path| path.canonicalize().map_err(|error| CliError::unreadable(path, &error));
-    let folder = whole(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
-    let file = whole(file)?;
+    let folder = canonical(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
+    let file = canonical(file)?;
     let shared = file.components().zip(folder.components()).take_while(|(one, other)| one == other).count();
     if shared == 0 {
         return Ok(file);
     }
     let up = folder.components().skip(shared).map(|_| Component::ParentDir);
     Ok(up.chain(file.components().skip(shared)).collect())
+}
+
+fn canonical(path: &Path) -> Result<PathBuf, CliError> {
+    path.canonicalize().map_err(|error| CliError::unreadable(path, &error))
 }
 
 fn parse_cell(text: &str) -> Result<f64, String> {
@@ -421,27 +427,30 @@ fn write_new(path: &Path, format: Format, text: &str) -> Result<(), CliError> {
 
 /// Prints what a file may say, or what columns mean, as JSON Schema.
 pub fn schema(arguments: &SchemaArguments) -> Result<ExitCode, CliError> {
-    let of_file = |schema| serde_json::to_string_pretty(&schema).expect("a schema is JSON");
     let schema = match arguments.of {
-        SchemaOf::Scenario => of_file(scenario::schema()),
-        SchemaOf::Plan => of_file(plan_schema()),
-        SchemaOf::Rules => of_file(rules_schema()),
+        SchemaOf::Scenario => schema_text(scenario::schema()),
+        SchemaOf::Plan => schema_text(plan_schema()),
+        SchemaOf::Rules => schema_text(rules_schema()),
         SchemaOf::Runs => row_schema(TableOfRows::Runs),
         SchemaOf::PlannerCalls => row_schema(TableOfRows::PlannerCalls),
         SchemaOf::States => row_schema(TableOfRows::States),
         SchemaOf::Decisions => row_schema(TableOfRows::Decisions),
-        SchemaOf::PlannerProtocol => of_file(protocol::schema()),
-        SchemaOf::Export => of_file(export::schema()),
-        SchemaOf::Machines => of_file(schema_for!(Machines)),
-        SchemaOf::BatchAnswer => of_file(schema_for!(BatchObject)),
-        SchemaOf::DryRunAnswer => of_file(schema_for!(PlanAnswer)),
-        SchemaOf::SliceAnswer => of_file(schema_for!(SliceAnswer)),
-        SchemaOf::ReportAnswer => of_file(schema_for!(ReportAnswer)),
-        SchemaOf::CheckAnswer => of_file(schema_for!(CheckAnswer)),
-        SchemaOf::ScenariosAnswer => of_file(schema_for!(ScenariosAnswer)),
+        SchemaOf::PlannerProtocol => schema_text(protocol::schema()),
+        SchemaOf::Export => schema_text(export::schema()),
+        SchemaOf::Machines => schema_text(schema_for!(Machines)),
+        SchemaOf::BatchAnswer => schema_text(schema_for!(BatchObject)),
+        SchemaOf::DryRunAnswer => schema_text(schema_for!(PlanAnswer)),
+        SchemaOf::SliceAnswer => schema_text(schema_for!(SliceAnswer)),
+        SchemaOf::ReportAnswer => schema_text(schema_for!(ReportAnswer)),
+        SchemaOf::CheckAnswer => schema_text(schema_for!(CheckAnswer)),
+        SchemaOf::ScenariosAnswer => schema_text(schema_for!(ScenariosAnswer)),
     };
     terminal::print(&format!("{schema}\n"))?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn schema_text(schema: impl Serialize) -> String {
+    serde_json::to_string_pretty(&schema).expect("a schema is JSON")
 }
 
 #[cfg(test)]

@@ -156,23 +156,22 @@ struct JudgedRuns {
 
 impl From<&JudgedRuns> for Document {
     fn from(report: &JudgedRuns) -> Self {
-        let row = |(name, tally): &(String, DecisionTally)| {
+        let rows = report.tallies.iter().map(|(name, tally)| {
             let DecisionTally { runs, decisions, mistakes, good } = *tally;
             let numbers = [runs, decisions, mistakes, good].map(|number| number.to_string());
             [name.clone()].into_iter().chain(numbers).collect()
-        };
-        let rows = report.tallies.iter().map(row).collect();
+        });
         Self::new("What decisions were worth")
-            .with([Block::from(Table::new(&["Variant", "Runs", "Decisions", "Mistakes", "Good"], rows))])
+            .with([Block::from(Table::new(&["Variant", "Runs", "Decisions", "Mistakes", "Good"], rows.collect()))])
     }
 }
 
 impl Serialize for JudgedRuns {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let row = |(variant, tally): &(String, DecisionTally)| {
+        let variants = self.tallies.iter().map(|(variant, tally)| {
             let DecisionTally { runs, decisions, mistakes, good } = *tally;
             object!(JudgedVariant { variant: variant.clone(), runs, decisions, mistakes, good })
-        };
-        object!(JudgedBatch { variants: self.tallies.iter().map(row).collect::<Vec<_>>() }).serialize(serializer)
+        });
+        object!(JudgedBatch { variants: variants.collect::<Vec<_>>() }).serialize(serializer)
     }
 }

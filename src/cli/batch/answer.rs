@@ -144,9 +144,10 @@ fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<St
         let run = plan.run(variant as u64 * plan.seeds.count() + place + 1);
         return Some(format!("wildfire render {} --page seed-{seed}.html", run.repeating_args()));
     }
-    let has_programs = || plan.variants.iter().any(|variant| variant.scenario.needs_trust());
     // A run that was not recorded is simulated again.
-    let trust = if plan.record != Record::All && has_programs() { " --trust" } else { "" };
+    let is_simulated = plan.record != Record::All;
+    let needs_trust = is_simulated && plan.variants.iter().any(|variant| variant.scenario.needs_trust());
+    let trust = if needs_trust { " --trust" } else { "" };
     Some(format!("wildfire render {path} --seed {seed}{trust} --page seed-{seed}.html"))
 }
 

@@ -26,8 +26,8 @@ use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_batch::execute::{
-    BatchError, BatchStatus, FailedRuns, JournalError, JournalScan, MissingRuns, OutputFolder, RUNS_FILE, RealDisk,
-    SliceState, batch_status, limit_threads,
+    BatchError, BatchStatus, JournalError, JournalScan, MissingRuns, OutputFolder, RUNS_FILE, RealDisk, SliceState,
+    batch_status, limit_threads,
 };
 use wildfire_batch::plan::{BatchPlan, PlanError, Slice, range_text, shell_word};
 use wildfire_batch::report::{
@@ -296,8 +296,7 @@ fn median_field(
     views: &[RunView],
     context: &CommandContext,
 ) -> Result<Option<FieldPicture>, CliError> {
-    let has_recordings = || batch.runs().any(|run| batch.recording(&run).is_some());
-    if batch.plan().variants.len() > 1 || views.is_empty() && !has_recordings() {
+    if batch.plan().variants.len() > 1 || views.is_empty() && !batch.runs().any(|run| batch.recording(&run).is_some()) {
         return Ok(None);
     }
     let found = if views.is_empty() { notable_runs(batch).map_err(report_error)? } else { playing.to_vec() };
@@ -407,13 +406,13 @@ struct FailureRow {
 }
 
 fn failures(status: &BatchStatus) -> Vec<FailureRow> {
-    let row = |(&variant, failed): (&u64, &FailedRuns)| FailureRow {
+    let rows = status.failures.iter().map(|(&variant, failed)| FailureRow {
         variant: status.plan.title(&status.plan.variants[variant as usize]),
         failed: failed.count,
         seed: status.plan.run(failed.first).seed,
         message: failed.message.clone(),
-    };
-    status.failures.iter().map(row).collect()
+    });
+    rows.collect()
 }
 
 /// The most variants with failed runs that are listed.
@@ -453,10 +452,9 @@ impl From<&StatusReport> for Document {
     fn from(report: &StatusReport) -> Self {
         let StatusReport { folder, variants, seeds, planned, slices, failures, next_step } = report;
         // Of many slices those count that are not as they should be in the end.
-        let is_listed = |slice: &&SliceRow| slices.len() <= LISTED_SLICES || slice.state != "complete";
         let rows: Vec<_> = slices
             .iter()
-            .filter(is_listed)
+            .filter(|slice| slices.len() <= LISTED_SLICES || slice.state != "complete")
             .take(LISTED_SLICES)
             .map(|slice| {
                 let SliceRow { slice, planned, finished, failed, state, .. } = slice;

@@ -69,12 +69,11 @@ pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandCon
 
 /// Refuses what only this process can read; to be called before it is read.
 pub fn refuse_pipes(arguments: &BatchArguments) -> Result<(), CliError> {
-    let is_stdin = |path: &str| path == "-";
     let seeds = arguments.seeds.as_ref().is_some_and(|seeds| match seeds {
-        SeedsArgument::File(path) => is_stdin(&path.to_string_lossy()),
+        SeedsArgument::File(path) => path.as_os_str() == "-",
         SeedsArgument::Listed(_) => false,
     });
-    if seeds || arguments.sources.iter().any(|source| is_stdin(source)) {
+    if seeds || arguments.sources.iter().any(|source| source == "-") {
         return Err(CliError::bad_input(
             "- is the stdin of this process; expected a file that every task can read",
             None,
@@ -97,12 +96,11 @@ impl Script {
     fn text(&self, arguments: &BatchArguments, plan: &BatchPlan, pilot: &Pilot) -> String {
         let Self { name, jobs, .. } = self;
         let Tasks { count, minutes, limit_minutes } = self.tasks;
-        let word = |path: &Path| shell_word(&path.display().to_string());
-        let program = word(&self.program);
-        let works_in = word(&self.works_in);
-        let folder = word(&self.folder);
+        let program = path_word(&self.program);
+        let works_in = path_word(&self.works_in);
+        let folder = path_word(&self.folder);
         // Lines for Slurm are no shell's: a blank in a path is escaped there by quotes all the same.
-        let logs = word(&self.folder.join("slurm"));
+        let logs = path_word(&self.folder.join("slurm"));
         let batch = batch_args(arguments);
         let keeping = self.keeping_args(arguments);
         let lock = arguments.keeping.lock.args();
@@ -186,6 +184,10 @@ exit "$code"
             _ => args,
         }
     }
+}
+
+fn path_word(path: &Path) -> String {
+    shell_word(&path.display().to_string())
 }
 
 /// The time limit of the job that merges: an hour, and a minute for each ten thousand runs.

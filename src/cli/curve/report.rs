@@ -176,11 +176,12 @@ fn turn_deg(segment: &Segment) -> f64 {
 
 impl Serialize for CurveReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let pose = |End { x, y, heading_deg }| object!(Pose { x_m: x, y_m: y, heading_deg });
+        let [from, to] =
+            [self.from, self.to].map(|End { x, y, heading_deg }| object!(Pose { x_m: x, y_m: y, heading_deg }));
         let report = object!(Report {
             program_version: PROGRAM_VERSION,
-            from: pose(self.from),
-            to: pose(self.to),
+            from,
+            to,
             radius_m: self.radius_m,
             curves: self.curves.iter().map(curve).collect::<Vec<_>>(),
         });
@@ -192,14 +193,14 @@ impl Serialize for CurveReport {
 fn curve(found: &FoundCurve) -> impl Serialize {
     let price =
         |(CurvePrice { reverse_factor, cusp_m, .. }, price_m)| object!(Price { reverse_factor, cusp_m, price_m });
-    let segment = |segment: &Segment| {
+    let segments = found.path.segments.iter().map(|segment| {
         object!(Segment {
             steering: steering(segment),
             direction: direction(segment),
             length_m: segment.length_m.abs(),
             turn_deg: turn_deg(segment),
         })
-    };
+    });
     object!(Curve {
         curve: found.kind,
         length_m: found.length_m,
@@ -207,7 +208,7 @@ fn curve(found: &FoundCurve) -> impl Serialize {
         family: &found.family,
         cusps: found.path.cusps(),
         price: found.price.map(price),
-        segments: found.path.segments.iter().map(segment).collect::<Vec<_>>(),
+        segments: segments.collect::<Vec<_>>(),
     })
 }
 
@@ -215,12 +216,11 @@ impl CurveReport {
     /// Draws the curves, and the contest's truck unless the radius is shorter than its wheelbase, which no truck drives.
     pub fn draw(&self) -> Picture {
         let truck = Dimensions::default();
-        let name = |curve: &FoundCurve| format!("{}, {} m", curve.name, rounded(curve.length_m, 3));
-        let names: Vec<String> = self.curves.iter().map(name).collect();
+        let names = self.curves.iter().map(|curve| format!("{}, {} m", curve.name, rounded(curve.length_m, 3)));
+        let names: Vec<String> = names.collect();
         let ways: Vec<_> = names.iter().zip(&self.curves).map(|(name, curve)| (name.as_str(), &curve.path)).collect();
-        let place = |End { x, y, heading_deg }| format!("({}, {}, {} deg)", short(x), short(y), short(heading_deg));
-        let from = place(self.from);
-        let to = place(self.to);
+        let from = end_text(self.from);
+        let to = end_text(self.to);
         let radius_m = self.radius_m;
         draw_curves(&CurveScene {
             title: &format!("Shortest curves from {from} to {to}, turning radius {radius_m} m"),
@@ -231,4 +231,8 @@ impl CurveReport {
             min_m: MIN_RADII * radius_m,
         })
     }
+}
+
+fn end_text(End { x, y, heading_deg }: End) -> String {
+    format!("({}, {}, {} deg)", short(x), short(y), short(heading_deg))
 }

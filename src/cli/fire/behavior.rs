@@ -345,12 +345,12 @@ impl From<&BehaviorReport<'_>> for Document {
 }
 
 fn directions_table(fire: &SurfaceFire, azimuths: &[f64]) -> Table {
-    let row = |&azimuth: &f64| {
+    let rows = azimuths.iter().map(|&azimuth| {
         let [_, rates @ ..] = DIRECTION_COLUMNS.map(|(_, value)| rounded(value(fire, azimuth), 3));
         [vec![short(azimuth)], rates.to_vec()].concat()
-    };
+    });
     let headings = ["Azimuth", "Front\nm/min", "Ray\nm/min", "On the map\nm/min"];
-    Table { text_columns: 0, ..Table::new(&headings, azimuths.iter().map(row).collect()) }
+    Table { text_columns: 0, ..Table::new(&headings, rows.collect()) }
 }
 
 impl Serialize for BehaviorReport<'_> {
@@ -403,7 +403,9 @@ const TONS_PER_ACRE: f64 = 43560.0 / 2000.0;
 
 impl From<&FuelList> for Document {
     fn from(_: &FuelList) -> Self {
-        let row = |model: &FuelModel| {
+        let headings =
+            ["Number", "Code", "Fuel", "1-h", "10-h", "100-h", "Live\ngrass", "Live\nwood", "Depth\nft", "Out at\n%"];
+        let rows = FUEL_MODELS.iter().map(|model| {
             let names = vec![model.number.to_string(), model.code.to_owned(), model.name.to_owned()];
             let loads =
                 model.loads.map(|load| if load > 0.0 { rounded(load * TONS_PER_ACRE, 2) } else { "-".to_owned() });
@@ -412,12 +414,9 @@ impl From<&FuelList> for Document {
                 false => ["-", "-"].map(str::to_owned),
             };
             [names, loads.to_vec(), bed.to_vec()].concat()
-        };
-        let headings =
-            ["Number", "Code", "Fuel", "1-h", "10-h", "100-h", "Live\ngrass", "Live\nwood", "Depth\nft", "Out at\n%"];
-        let rows = FUEL_MODELS.iter().map(row).collect();
+        });
         Self::new(count(FUEL_MODELS.len(), "fuel model"))
-            .with([Block::Table(Table { text_columns: 3, ..Table::new(&headings, rows) })])
+            .with([Block::Table(Table { text_columns: 3, ..Table::new(&headings, rows.collect()) })])
             .with([Block::Text(
                 "Loads are in short tons per acre. Out at: the moisture at and above which dead fuel does not burn. 1 \
                  to 13: \

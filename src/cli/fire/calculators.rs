@@ -78,17 +78,16 @@ Example:
   wildfire fire moisture --csv in.csv --out out.csv";
 
 pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
-    let class = |name, last| optional(name, Content::Class(last));
     let read = [
         word("table", &["reference", "correction"]),
-        class("dry_bulb", 5),
-        class("relative_humidity", 20),
-        class("month", 2),
-        class("shading", 1),
-        class("aspect", 3),
-        class("slope", 1),
-        class("time_of_day", 5),
-        class("elevation", 2),
+        optional("dry_bulb", Content::Class(5)),
+        optional("relative_humidity", Content::Class(20)),
+        optional("month", Content::Class(2)),
+        optional("shading", Content::Class(1)),
+        optional("aspect", Content::Class(3)),
+        optional("slope", Content::Class(1)),
+        optional("time_of_day", Content::Class(5)),
+        optional("elevation", Content::Class(2)),
     ];
     let columns = Columns { read, row: "the conditions of fine dead fuel", added: &["fine_moisture_pct"] };
     table.answer(columns, quiet, |table, numbers| {

@@ -7,6 +7,7 @@
 use std::path::Path;
 
 use crate::cli::error::CliError;
+use crate::cli::fire::calculators::number;
 use crate::cli::fire::options::{
     AZIMUTHS_DEG, DEAD_MOISTURES, LIVE_MOISTURES, SLOPES, SlopeArguments, WINDS_MPS, no_such_fuel,
 };
@@ -93,29 +94,29 @@ pub fn write_fires(
         let fire = fire(table, numbers, options)?;
         without_fire += u64::from(fire.rate_mps == 0.0);
         let values = FIRE_COLUMNS.map(|(_, value)| value(&fire).to_string()).join(",");
-        let along = |&azimuth: &f64| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, azimuth).to_string()).join(",");
-        Ok(match azimuths {
-            [] => vec![values],
-            _ => azimuths.iter().map(|azimuth| format!("{values},{}", along(azimuth))).collect(),
-        })
+        if azimuths.is_empty() {
+            return Ok(vec![values]);
+        }
+        let along =
+            azimuths.iter().map(|azimuth| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, *azimuth).to_string()));
+        Ok(along.map(|along| format!("{values},{}", along.join(","))).collect())
     })?;
     Ok([rows, without_fire])
 }
 
 fn columns<'a>(added: &'a [&'static str]) -> Columns<'a, 11> {
-    let column = |name, range| Column { name, content: Content::Number(range), without: None };
     Columns {
         read: [
-            column("number", 0.0..=255.0),
-            column("m_1h", DEAD_MOISTURES),
-            column("m_10h", DEAD_MOISTURES),
-            column("m_100h", DEAD_MOISTURES),
-            column("m_live_herb", LIVE_MOISTURES),
-            column("m_live_woody", LIVE_MOISTURES),
-            column("wind_midflame_mps", WINDS_MPS),
-            column("wind_from_deg", AZIMUTHS_DEG),
-            column("slope_rise_run", SLOPES),
-            column("aspect_deg", AZIMUTHS_DEG),
+            number("number", 0.0..=255.0),
+            number("m_1h", DEAD_MOISTURES),
+            number("m_10h", DEAD_MOISTURES),
+            number("m_100h", DEAD_MOISTURES),
+            number("m_live_herb", LIVE_MOISTURES),
+            number("m_live_woody", LIVE_MOISTURES),
+            number("wind_midflame_mps", WINDS_MPS),
+            number("wind_from_deg", AZIMUTHS_DEG),
+            number("slope_rise_run", SLOPES),
+            number("aspect_deg", AZIMUTHS_DEG),
             Column { name: "wind_limit", content: Content::Number(0.0..=1.0), without: Some(f64::NAN) },
         ],
         row: "the conditions of a fire",

@@ -73,14 +73,14 @@ fn heads(fire: &CrownFire) -> [(&'static str, &'static str, FireHead); 4] {
 
 /// Returns the fires on the ground and in the crowns.
 pub fn heads_table(fire: &CrownFire) -> Table {
-    let row = |(_, name, head): (_, &str, FireHead)| {
+    let rows = heads(fire).map(|(_, name, head)| {
         let FireHead { rate_mps, heat_kj_m2, intensity_kw_m, .. } = head;
         let numbers = [(rate_mps * 60.0, 2), (heat_kj_m2, 0), (intensity_kw_m, 0), (head.flame_m(), 2)];
         let numbers = numbers.map(|(number, decimals)| rounded(number, decimals));
         [vec![name.to_owned()], numbers.to_vec()].concat()
-    };
+    });
     let headings = ["Fire", "Rate\nm/min", "Heat\nkJ/m2", "Intensity\nkW/m", "Flames\nm"];
-    Table::new(&headings, heads(fire).map(row).into())
+    Table::new(&headings, rows.into())
 }
 
 /// Describes the trees and the kind of fire below them.
@@ -148,30 +148,31 @@ Example:
 const FACTOR: usize = 14;
 
 pub fn run(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
-    let percents = |range: RangeInclusive<f64>| range.start() * 100.0..=range.end() * 100.0;
-    let dead = |name| number(name, percents(DEAD_MOISTURES));
-    let live = |name| number(name, percents(LIVE_MOISTURES));
-    let height = |name| number(name, HEIGHTS_M.start() / FOOT_M..=HEIGHTS_M.end() / FOOT_M);
+    let heights_ft = HEIGHTS_M.start() / FOOT_M..=HEIGHTS_M.end() / FOOT_M;
     let read = [
         number("fuel_model", 0.0..=255.0),
-        dead("moisture_1h_pct"),
-        dead("moisture_10h_pct"),
-        dead("moisture_100h_pct"),
-        live("moisture_live_herb_pct"),
-        live("moisture_live_woody_pct"),
-        live("moisture_foliar_pct"),
+        number("moisture_1h_pct", percents(DEAD_MOISTURES)),
+        number("moisture_10h_pct", percents(DEAD_MOISTURES)),
+        number("moisture_100h_pct", percents(DEAD_MOISTURES)),
+        number("moisture_live_herb_pct", percents(LIVE_MOISTURES)),
+        number("moisture_live_woody_pct", percents(LIVE_MOISTURES)),
+        number("moisture_foliar_pct", percents(LIVE_MOISTURES)),
         number("wind_20ft_mi_h", 0.0..=200.0),
         number("wind_to_deg_from_upslope", AZIMUTHS_DEG),
         number("slope_deg", 0.0..=STEEPEST_DEG),
         number("canopy_cover_pct", percents(SHARES)),
-        height("canopy_height_ft"),
-        height("canopy_base_height_ft"),
+        number("canopy_height_ft", heights_ft.clone()),
+        number("canopy_base_height_ft", heights_ft),
         number("canopy_bulk_density_lb_ft3", 0.0..=1.0),
         Column { name: "waf_input", content: Content::Text, without: Some(f64::NAN) },
     ];
     let added = &ADDED.split(',').collect::<Vec<_>>();
     let columns = Columns { read, row: "the conditions of a fire below trees", added };
     table.answer(columns, quiet, |table, numbers| Ok(answers(&row(table, numbers)?.burn())))
+}
+
+fn percents(range: RangeInclusive<f64>) -> RangeInclusive<f64> {
+    range.start() * 100.0..=range.end() * 100.0
 }
 
 /// Factors of the columns of tables, which are in feet, pounds, Btu and minutes.

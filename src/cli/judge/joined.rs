@@ -114,12 +114,11 @@ impl<'a> PathJudge<'a> {
         let length_m = path.length_m() + 0.0;
         let bound_m = lower_bound_m(self.problem.start, goal, self.body());
         let changes = poses.windows(2).skip(1).filter(|pair| pair[0].is_reverse != pair[1].is_reverse);
-        let samples = || arcs.iter().flat_map(PoseArc::samples);
         let frame = self.problem.terrain.frame;
         let max_m = MAX_FIELDS_LONG * (frame.width_m() + frame.height_m());
         // The way of a path without end is not looked at.
         let is_endless = length_m > max_m;
-        let examined = samples().take(if is_endless { 0 } else { usize::MAX });
+        let examined = arcs.iter().flat_map(PoseArc::samples).take(if is_endless { 0 } else { usize::MAX });
         let figures = DriveFigures {
             length_m,
             lower_bound_ratio: lower_bound_ratio(length_m, bound_m),

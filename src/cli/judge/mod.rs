@@ -150,8 +150,8 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
     let conclude = |report: &JudgeReport| {
         let printed = stream.print(&arguments.form.render(report));
         // Whatever cannot be written, all else is kept.
-        let write = |path: &Path| report.drives.write(path);
-        let written = output_files::write_all(&[(arguments.csv.as_deref(), &write)], context.quiet);
+        let csv = arguments.csv.as_deref();
+        let written = output_files::write_all(&[(csv, &|path| report.drives.write(path))], context.quiet);
         printed.and(written)?;
         Ok(if report.has_violations() { ExitCode::from(exit::VIOLATION) } else { ExitCode::SUCCESS })
     };
@@ -211,10 +211,9 @@ impl<'a> AgainstPlanners<'a> {
             seed: self.arguments.seed,
             limit: self.arguments.memory.limit(),
         };
-        let failed = |error| {
+        attempts(problem, &question).map_err(|error| {
             CliError::run_failed(format_args!("planning on the field {}: {error}", shortened_field(&problem.name)))
-        };
-        attempts(problem, &question).map_err(failed)
+        })
     }
 }
 

@@ -36,8 +36,9 @@ pub fn curves() -> Value {
         json!({"name": name, "x": x, "y": y, "turns": turns})
     });
     let [beside, ..] = &goals;
-    let metres = |name: &str| format!("{:.1}", beside["turns"][0][name]["length"].as_f64().unwrap_or(0.0));
-    let beside = json!({"reeds_shepp": metres("reeds_shepp"), "dubins": metres("dubins")});
+    let [reeds_shepp, dubins] = ["reeds_shepp", "dubins"]
+        .map(|name| format!("{:.1}", beside["turns"][0][name]["length"].as_f64().unwrap_or(0.0)));
+    let beside = json!({"reeds_shepp": reeds_shepp, "dubins": dubins});
     json!({"radius": RADIUS_M, "degrees": DEGREES, "goals": goals, "beside": beside})
 }
 

@@ -8,6 +8,7 @@ use wildfire_grid::descent::{Descent, descend};
 use wildfire_grid::path_search::{Heuristic, SearchOrder, search_best_first, theta_star};
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance, attraction, total};
 use wildfire_grid::sampling::{PointGraph, PrmSettings, RrtSettings, TreeKind, grow_tree, probabilistic_roadmap};
+use wildfire_grid::segment::GridPoint;
 use wildfire_grid::wavefront::{descend_wavefront, wavefront};
 use wildfire_grid::{Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
 
@@ -98,28 +99,28 @@ impl LessonMap {
 
 /// Brushfire and wavefront: the value of every cell, which is also the step in which the front comes to it.
 pub fn fronts() -> Value {
-    let of_board = |board: LessonMap| {
-        let mut runs = Vec::new();
-        for (number, connectivity) in [(4, Connectivity::Four), (8, Connectivity::Eight)] {
-            let fire = brushfire(&board.occupied, connectivity).expect("the map has obstacles");
-            let order: Vec<i64> = fire.values().iter().map(|&value| i64::from(value) - 1).collect();
-            let name = format!("brushfire, {number} neighbours");
-            runs.push(json!({"name": name, "values": fire.values(), "order": order}));
-            let (steps, next) = board.wave(connectivity);
-            let order: Vec<i64> = steps.values().iter().map(|&value| i64::from(value) - 2).collect();
-            let name = format!("wavefront, {number} neighbours");
-            runs.push(json!({"name": name, "values": steps.values(), "order": order, "next": next}));
-        }
-        board.data(runs)
-    };
-    let boards = [LessonMap::basic(), LessonMap::trap(), LessonMap::rooms()].map(of_board);
+    let boards = [LessonMap::basic(), LessonMap::trap(), LessonMap::rooms()].map(fronts_of);
     json!({"boards": boards})
+}
+
+fn fronts_of(board: LessonMap) -> Value {
+    let mut runs = Vec::new();
+    for (number, connectivity) in [(4, Connectivity::Four), (8, Connectivity::Eight)] {
+        let fire = brushfire(&board.occupied, connectivity).expect("the map has obstacles");
+        let order: Vec<i64> = fire.values().iter().map(|&value| i64::from(value) - 1).collect();
+        let name = format!("brushfire, {number} neighbours");
+        runs.push(json!({"name": name, "values": fire.values(), "order": order}));
+        let (steps, next) = board.wave(connectivity);
+        let order: Vec<i64> = steps.values().iter().map(|&value| i64::from(value) - 2).collect();
+        let name = format!("wavefront, {number} neighbours");
+        runs.push(json!({"name": name, "values": steps.values(), "order": order, "next": next}));
+    }
+    board.data(runs)
 }
 
 /// A*, Dijkstra's search, greedy and weighted searches: in which step each cell was expanded, and its cost.
 pub fn searches() -> Value {
     use Heuristic::{Euclidean, Manhattan, Octile};
-    let astar = |heuristic, weight| SearchOrder::AStar { heuristic, weight };
     let eight = [
         ("Dijkstra (heuristic zero)", SearchOrder::Dijkstra),
         ("A*, octile", astar(Octile, 1.0)),
@@ -137,31 +138,6 @@ pub fn searches() -> Value {
         ("A*, Euclidean", astar(Euclidean, 1.0)),
         ("greedy, Manhattan", SearchOrder::Greedy { heuristic: Manhattan }),
     ];
-    let of_board = |(board, connectivity, orders): (LessonMap, Connectivity, &[(&str, SearchOrder)])| {
-        let run = |&(name, order): &(&str, SearchOrder)| {
-            let ends = (board.start, board.goal);
-            let found =
-                search_best_first(&board.occupied, ends, order, connectivity, CORNERS).expect("both ends are free");
-            let mut steps = vec![-1; board.occupied.values().len()];
-            for (step, &cell) in found.expanded.iter().enumerate() {
-                steps[cell as usize] = step as i64;
-            }
-            let Route::Found(path) = &found.route else { unreachable!("the goal of {} can be reached", board.name) };
-            let path: Vec<usize> = path.iter().map(|&place| board.index(place)).collect();
-            // Infinite costs become null.
-            let values: Vec<f64> = found.costs.values().iter().map(|&cost| short(cost, 1)).collect();
-            json!({
-                "name": name,
-                "values": values,
-                "order": steps,
-                "path": path,
-                "cost": found.cost.map(|cost| short(cost, 3)),
-                "bound": order.cost_bound(connectivity),
-                "expanded": found.expanded.len(),
-            })
-        };
-        board.data(orders.iter().map(run).collect())
-    };
     let boards = [
         (LessonMap::trap(), Connectivity::Eight, &eight[..]),
         (LessonMap::rooms(), Connectivity::Eight, &eight),
@@ -169,17 +145,58 @@ pub fn searches() -> Value {
         (LessonMap::maze(), Connectivity::Eight, &eight),
         (LessonMap::open(), Connectivity::Four, &four),
     ];
-    let boards = boards.map(of_board);
+    let boards = boards.map(|(board, connectivity, orders)| searches_of(board, connectivity, orders));
     json!({"boards": boards})
+}
+
+fn astar(heuristic: Heuristic, weight: f64) -> SearchOrder {
+    SearchOrder::AStar { heuristic, weight }
+}
+
+fn searches_of(board: LessonMap, connectivity: Connectivity, orders: &[(&str, SearchOrder)]) -> Value {
+    let runs = orders.iter().map(|&(name, order)| {
+        let ends = (board.start, board.goal);
+        let found = search_best_first(&board.occupied, ends, order, connectivity, CORNERS).expect("both ends are free");
+        let mut steps = vec![-1; board.occupied.values().len()];
+        for (step, &cell) in found.expanded.iter().enumerate() {
+            steps[cell as usize] = step as i64;
+        }
+        let Route::Found(path) = &found.route else { unreachable!("the goal of {} can be reached", board.name) };
+        let path: Vec<usize> = path.iter().map(|&place| board.index(place)).collect();
+        // Infinite costs become null.
+        let values: Vec<f64> = found.costs.values().iter().map(|&cost| short(cost, 1)).collect();
+        json!({
+            "name": name,
+            "values": values,
+            "order": steps,
+            "path": path,
+            "cost": found.cost.map(|cost| short(cost, 3)),
+            "bound": order.cost_bound(connectivity),
+            "expanded": found.expanded.len(),
+        })
+    });
+    board.data(runs.collect())
 }
 
 /// Potentials, and where a descent goes from every cell.
 pub fn potentials() -> Value {
-    let of_board = |board: LessonMap| {
-        let rows = board.occupied.rows();
-        let cols = board.occupied.cols();
-        let fire = brushfire(&board.occupied, Connectivity::Eight).expect("the map has obstacles");
-        let run = |(name, kind, eta): (&str, Attraction, f64)| {
+    let boards = [LessonMap::trap(), LessonMap::rooms(), LessonMap::basic()].map(potentials_of);
+    json!({"boards": boards})
+}
+
+fn potentials_of(board: LessonMap) -> Value {
+    let rows = board.occupied.rows();
+    let cols = board.occupied.cols();
+    let fire = brushfire(&board.occupied, Connectivity::Eight).expect("the map has obstacles");
+    let squared = Attraction::Squared { zeta: 1.0 };
+    let fields = [
+        ("attraction alone", squared, 1e-9),
+        ("weak repulsion (eta 15)", squared, 15.0),
+        ("strong repulsion (eta 100)", squared, 100.0),
+        ("Manhattan attraction, eta 15", Attraction::Manhattan, 15.0),
+    ];
+    let mut runs = fields
+        .map(|(name, kind, eta)| {
             let pull = attraction(rows, cols, board.goal, kind, Some(10.0));
             let push = Repulsion { q: 5.0, eta, distance: RepulsionDistance::Brushfire };
             let field = total(pull, &fire, &push);
@@ -191,29 +208,19 @@ pub fn potentials() -> Value {
             let reached = board.free().filter(|&place| matches!(walk(place), Ok(Descent::Reached(_)))).count();
             let values: Vec<f64> = field.values().iter().map(|&value| short(value, 2)).collect();
             json!({"name": name, "values": values, "next": next, "reached": reached, "free": board.free().count()})
-        };
-        let squared = Attraction::Squared { zeta: 1.0 };
-        let fields = [
-            ("attraction alone", squared, 1e-9),
-            ("weak repulsion (eta 15)", squared, 15.0),
-            ("strong repulsion (eta 100)", squared, 100.0),
-            ("Manhattan attraction, eta 15", Attraction::Manhattan, 15.0),
-        ];
-        let mut runs = fields.map(run).to_vec();
-        let (steps, next) = board.wave(Connectivity::Eight);
-        // Cells without a way on: obstacles and the goal.
-        let reached = 1 + next.iter().filter(|&&to| to >= 0).count();
-        runs.push(json!({
-            "name": "wavefront instead",
-            "values": steps.values(),
-            "next": next,
-            "reached": reached,
-            "free": board.free().count(),
-        }));
-        board.data(runs)
-    };
-    let boards = [LessonMap::trap(), LessonMap::rooms(), LessonMap::basic()].map(of_board);
-    json!({"boards": boards})
+        })
+        .to_vec();
+    let (steps, next) = board.wave(Connectivity::Eight);
+    // Cells without a way on: obstacles and the goal.
+    let reached = 1 + next.iter().filter(|&&to| to >= 0).count();
+    runs.push(json!({
+        "name": "wavefront instead",
+        "values": steps.values(),
+        "next": next,
+        "reached": reached,
+        "free": board.free().count(),
+    }));
+    board.data(runs)
 }
 
 /// Numbers of samples at which trees and roadmaps are shown.
@@ -224,45 +231,47 @@ const COST_SEEDS: u64 = 12;
 
 /// Trees and roadmaps after more and more samples, and how the cost of RRT* falls with them.
 pub fn samples() -> Value {
-    let of_board = |board: LessonMap| {
-        let ends = (board.start, board.goal);
-        let tree = |kind, seed, samples| {
-            let (neighbours, radius) = (None, None);
-            let settings = RrtSettings { seed, samples, step: 5.0, goal_bias: 0.05, neighbours, radius };
-            grow_tree(&board.occupied, ends, kind, &settings).expect("both ends are free")
-        };
-        let roadmap = |seed, samples| {
-            let settings = PrmSettings { seed, samples, neighbours: Some(12), radius: None };
-            probabilistic_roadmap(&board.occupied, ends, &settings).expect("both ends are free")
-        };
-        let mut runs = Vec::new();
-        for seed in [1, 2] {
-            let rrt = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::Rrt, seed, samples)));
-            let star = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::RrtStar, seed, samples)));
-            let prm = STAGES.map(|samples| graph_data(samples, &roadmap(seed, samples)));
-            for (name, stages) in [("RRT", rrt), ("RRT*", star), ("PRM", prm)] {
-                runs.push(json!({"name": format!("{name}, seed {seed}"), "stages": stages}));
-            }
-        }
-        let costs: Vec<_> = (1..=COST_SEEDS)
-            .map(|seed| {
-                COST_STAGES.map(|samples| tree(TreeKind::RrtStar, seed, samples).cost.map(|cost| short(cost, 2)))
-            })
-            .collect();
-        let any_angle = theta_star(&board.occupied, ends, CORNERS).expect("both ends are free");
-        let mut data = board.data(runs);
-        data["costs"] =
-            json!({"samples": COST_STAGES, "seeds": costs, "reference": any_angle.cost.map(|cost| short(cost, 2))});
-        data
-    };
-    let boards = [LessonMap::trap(), LessonMap::rooms()].map(of_board);
+    let boards = [LessonMap::trap(), LessonMap::rooms()].map(samples_of);
     json!({"boards": boards})
 }
 
-fn graph_data(samples: u32, graph: &PointGraph) -> Value {
-    let points = |points: &[wildfire_grid::segment::GridPoint]| -> Vec<[f64; 2]> {
-        points.iter().map(|point| point.coordinates()).map(|(row, col)| [short(row, 1), short(col, 1)]).collect()
+fn samples_of(board: LessonMap) -> Value {
+    let ends = (board.start, board.goal);
+    let tree = |kind, seed, samples| {
+        let (neighbours, radius) = (None, None);
+        let settings = RrtSettings { seed, samples, step: 5.0, goal_bias: 0.05, neighbours, radius };
+        grow_tree(&board.occupied, ends, kind, &settings).expect("both ends are free")
     };
+    let mut runs = Vec::new();
+    for seed in [1, 2] {
+        let rrt = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::Rrt, seed, samples)));
+        let star = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::RrtStar, seed, samples)));
+        let prm = STAGES.map(|samples| {
+            let settings = PrmSettings { seed, samples, neighbours: Some(12), radius: None };
+            let roadmap = probabilistic_roadmap(&board.occupied, ends, &settings).expect("both ends are free");
+            graph_data(samples, &roadmap)
+        });
+        for (name, stages) in [("RRT", rrt), ("RRT*", star), ("PRM", prm)] {
+            runs.push(json!({"name": format!("{name}, seed {seed}"), "stages": stages}));
+        }
+    }
+    let costs: Vec<_> = (1..=COST_SEEDS)
+        .map(|seed| COST_STAGES.map(|samples| tree(TreeKind::RrtStar, seed, samples).cost.map(|cost| short(cost, 2))))
+        .collect();
+    let any_angle = theta_star(&board.occupied, ends, CORNERS).expect("both ends are free");
+    let mut data = board.data(runs);
+    data["costs"] =
+        json!({"samples": COST_STAGES, "seeds": costs, "reference": any_angle.cost.map(|cost| short(cost, 2))});
+    data
+}
+
+fn graph_data(samples: u32, graph: &PointGraph) -> Value {
     let cost = graph.cost.map(|cost| short(cost, 2));
-    json!({"samples": samples, "points": points(&graph.points), "edges": graph.edges, "path": points(&graph.path), "cost": cost})
+    let points = rounded_points(&graph.points);
+    let path = rounded_points(&graph.path);
+    json!({"samples": samples, "points": points, "edges": graph.edges, "path": path, "cost": cost})
+}
+
+fn rounded_points(points: &[GridPoint]) -> Vec<[f64; 2]> {
+    points.iter().map(|point| point.coordinates()).map(|(row, col)| [short(row, 1), short(col, 1)]).collect()
 }

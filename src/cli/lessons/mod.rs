@@ -65,13 +65,14 @@ pub fn write(folder: &Path, quiet: bool) -> Result<(), CliError> {
 }
 
 fn page(number: usize, lesson: &Lesson, data: &Value) -> String {
-    let link = |other: Option<&Lesson>, name: &str| {
-        other.map_or(String::new(), |other| format!("<a href=\"{}\">{name}: {}</a>", other.file, other.title))
-    };
     let before = link(number.checked_sub(1).map(|before| &LESSONS[before]), "Previous");
     let links = format!("{before}<a href=\"index.html\">All lessons</a>{}", link(LESSONS.get(number + 1), "Next"));
     let title = format!("{}. {}", number + 1, lesson.title);
     filled_in(&title, &with_numbers(lesson.text, data), &links, data)
+}
+
+fn link(other: Option<&Lesson>, name: &str) -> String {
+    other.map_or(String::new(), |other| format!("<a href=\"{}\">{name}: {}</a>", other.file, other.title))
 }
 
 fn index() -> String {

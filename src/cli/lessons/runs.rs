@@ -50,16 +50,7 @@ fn run_seeds<T: Send>(
 
 /// Differences between two planners on the same seeds, and Student's quantiles for their intervals.
 pub fn pairs() -> Result<Value, CliError> {
-    let of_planner = |planner: &str| {
-        let scenario = load("contest", &[format!("unimog.planner={planner}")])?;
-        run_seeds(&scenario, PAIR_SEEDS, |_, timeline| {
-            let outcome = Outcome::new(timeline);
-            let driven: f64 =
-                outcome.agents.iter().filter(|agent| is_truck(agent.agent)).map(|agent| agent.distance_m).sum();
-            [f64::from(outcome.intact + outcome.extinguished), driven]
-        })
-    };
-    let [a, b] = [of_planner(PLANNERS[0])?, of_planner(PLANNERS[1])?];
+    let [a, b] = [outcomes_of_planner(PLANNERS[0])?, outcomes_of_planner(PLANNERS[1])?];
     let metrics = [("bushes saved", "bushes", 0), ("distance driven", "m", 1)].map(|(name, unit, column)| {
         let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| short(b[column] - a[column], 1)).collect();
         json!({"name": name, "unit": unit, "differences": differences, "all": mean(&differences)})
@@ -69,13 +60,26 @@ pub fn pairs() -> Result<Value, CliError> {
     Ok(json!({"planners": PLANNERS, "seeds": PAIR_SEEDS, "metrics": metrics, "reach": reach}))
 }
 
+fn outcomes_of_planner(planner: &str) -> Result<Vec<[f64; 2]>, CliError> {
+    let scenario = load("contest", &[format!("unimog.planner={planner}")])?;
+    run_seeds(&scenario, PAIR_SEEDS, |_, timeline| {
+        let outcome = Outcome::new(timeline);
+        let driven: f64 =
+            outcome.agents.iter().filter(|agent| is_truck(agent.agent)).map(|agent| agent.distance_m).sum();
+        [f64::from(outcome.intact + outcome.extinguished), driven]
+    })
+}
+
 /// A mean with its 95 % interval.
 fn mean(values: &[f64]) -> Value {
     let series = Series::from_values(values);
     let interval = series.mean_interval_within(UNBOUNDED);
     let [low, high] = interval.map_or([None; 2], |interval| [Some(interval.low), Some(interval.high)]);
-    let text = |number: Option<f64>| number.map(|number| format!("{number:.1}").replace('-', "−"));
-    json!({"mean": text(series.mean()), "low": text(low), "high": text(high)})
+    json!({"mean": mean_text(series.mean()), "low": mean_text(low), "high": mean_text(high)})
+}
+
+fn mean_text(number: Option<f64>) -> Option<String> {
+    number.map(|number| format!("{number:.1}").replace('-', "−"))
 }
 
 /// Runs of a fleet under several policies, and what each policy saves.
@@ -119,25 +123,16 @@ fn film(timeline: &Timeline) -> Value {
         })
         .collect();
     let index = RunIndex::new(timeline);
-    let states = |agent: usize| -> Vec<Value> {
-        let at = |second: u32| index.agent_at(agent, SimTime::from_seconds(f64::from(second)));
-        (0..=DISPATCH_S)
-            .step_by(STEP_S as usize)
-            .map(|second| {
-                let state = at(second);
-                let goal =
-                    state.goal.map_or(-1, |goal| i64::from(goal.row) * i64::from(frame.cols) + i64::from(goal.col));
-                let degrees = state.pose.heading.to_degrees().round();
-                json!([short(state.pose.x, 1), short(state.pose.y, 1), degrees, goal])
-            })
-            .collect()
-    };
-    let agents = timeline
-        .setting
-        .agents
-        .iter()
-        .enumerate()
-        .map(|(number, start)| json!({"truck": is_truck(start.id), "states": states(number)}));
+    let agents = timeline.setting.agents.iter().enumerate().map(|(agent, start)| {
+        let seconds = (0..=DISPATCH_S).step_by(STEP_S as usize);
+        let states = seconds.map(|second| {
+            let state = index.agent_at(agent, SimTime::from_seconds(f64::from(second)));
+            let goal = state.goal.map_or(-1, |goal| i64::from(goal.row) * i64::from(frame.cols) + i64::from(goal.col));
+            let degrees = state.pose.heading.to_degrees().round();
+            json!([short(state.pose.x, 1), short(state.pose.y, 1), degrees, goal])
+        });
+        json!({"truck": is_truck(start.id), "states": states.collect::<Vec<_>>()})
+    });
     json!({
         "cols": frame.cols,
         "rows": frame.rows,

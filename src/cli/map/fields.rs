@@ -342,19 +342,23 @@ pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Resul
 
 /// The brushfire map, 0 everywhere without obstacles.
 fn brushfire_or_zero(occupied: &Grid<bool>, connectivity: Connectivity) -> Grid<u16> {
-    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0);
-    brushfire::brushfire(occupied, connectivity).unwrap_or_else(none)
+    brushfire::brushfire(occupied, connectivity).unwrap_or_else(|| Grid::filled(occupied.rows(), occupied.cols(), 0))
 }
 
 pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, MapInputError> {
-    let none = || Grid::filled(occupied.rows(), occupied.cols(), 0.0);
-    let values = timed(|| MapValues::Reals(euclidean_distances(occupied).unwrap_or_else(none)));
+    let values = timed(|| {
+        let distances = euclidean_distances(occupied);
+        MapValues::Reals(distances.unwrap_or_else(|| Grid::filled(occupied.rows(), occupied.cols(), 0.0)))
+    });
     Ok(Computed::new("Euclidean distance", "distance in cells", values))
 }
 
 pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, MapInputError> {
-    let costs = || cost_map(&brushfire_or_zero(occupied, Connectivity::Four), &arguments.zones());
-    Ok(Computed::new("Cost map", "cost", timed(|| MapValues::Reals(costs()))))
+    let values = timed(|| {
+        let brushfire = brushfire_or_zero(occupied, Connectivity::Four);
+        MapValues::Reals(cost_map(&brushfire, &arguments.zones()))
+    });
+    Ok(Computed::new("Cost map", "cost", values))
 }
 
 pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Computed, MapInputError> {
@@ -409,9 +413,12 @@ fn attraction_field(occupied: &Grid<bool>, goal: Place, options: &AttractionOpti
 
 pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Result<Computed, MapInputError> {
     let neighbours = arguments.neighbours.connectivity;
-    let field = || potential::repulsion(&brushfire_or_zero(occupied, neighbours.into()), &arguments.repulsion.law());
     let title = title_with_neighbours("Repulsion", neighbours);
-    Ok(Computed::new(title, "potential", timed(|| MapValues::Reals(field()))))
+    let values = timed(|| {
+        let brushfire = brushfire_or_zero(occupied, neighbours.into());
+        MapValues::Reals(potential::repulsion(&brushfire, &arguments.repulsion.law()))
+    });
+    Ok(Computed::new(title, "potential", values))
 }
 
 pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, MapInputError> {

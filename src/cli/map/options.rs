@@ -266,8 +266,8 @@ impl CornerArguments {
 // Values of options from text; an error is what was expected. The ranges of parameters are their algorithms' business.
 
 pub fn parse_place(text: &str) -> Result<Place, String> {
-    let whole = |text: &str| numbers::parse(text.trim());
-    let numbers = text.split_once(',').and_then(|(row, col)| Some((whole(row)?, whole(col)?)));
+    let numbers =
+        text.split_once(',').and_then(|(row, col)| Some((numbers::parse(row.trim())?, numbers::parse(col.trim())?)));
     numbers.ok_or_else(|| "expected ROW,COLUMN, two whole numbers counted from 0, such as 3,17".to_owned())
 }
 

@@ -127,10 +127,9 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
 
 /// The words of every computation, maps first.
 fn commands(arguments: &MapPageArguments) -> Vec<Vec<OsString>> {
-    let place = |(row, col): (usize, usize)| format!("{row},{col}");
     let (start, goal) = arguments.ends.places();
-    let goal = format!("--goal {}", place(goal));
-    let ends = format!("{goal} --start {}", place(start));
+    let goal = format!("--goal {}", place_text(goal));
+    let ends = format!("{goal} --start {}", place_text(start));
     let neighbours = format!("--neighbours {}", arguments.neighbours.connectivity.0);
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let mut growth = format!("--seed {}", arguments.seed);
@@ -158,15 +157,19 @@ fn commands(arguments: &MapPageArguments) -> Vec<Vec<OsString>> {
         ("rrt-star", format!("{ends} {growth}")),
         ("prm", format!("{ends} {seed}")),
     ];
-    let args_of = |(command, options): (&str, String)| {
+    let commands = options.into_iter().map(|(command, options)| {
         let options = format!("{options} {reading}");
         let first = [OsString::from(command), "--".into(), arguments.map.clone().into_os_string()];
         // Options stand before the map, whose name may begin with a hyphen.
         let [command, end, map] = first;
         let options = options.split_whitespace().map(OsString::from).collect::<Vec<_>>();
         [command].into_iter().chain(options).chain([end, map]).collect()
-    };
-    options.into_iter().map(args_of).collect()
+    });
+    commands.collect()
+}
+
+fn place_text((row, col): (usize, usize)) -> String {
+    format!("{row},{col}")
 }
 
 /// Notes on the map.
@@ -179,13 +182,6 @@ fn page(arguments: &MapPageArguments, map: &MapFile, parts: &[PagePart], cpu_rea
     let (start, goal) = arguments.ends.places();
     // Notes on the map is said once.
     let of_map = of_map(map);
-    let report = |part: &'_ PagePart| {
-        let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
-        let picture = with_scene(&report, draw_small_map).to_png();
-        let mut lines = report.sentences();
-        lines.retain(|line| !of_map.iter().any(|sentence| line.contains(sentence.as_str())));
-        (lines, picture)
-    };
     let rows = map.occupied.rows();
     let occupied = map.occupied.values().iter().filter(|&&is_occupied| is_occupied).count();
     let mut facts = vec![
@@ -209,7 +205,10 @@ fn page(arguments: &MapPageArguments, map: &MapFile, parts: &[PagePart], cpu_rea
     document.add(map_table(parts));
     let find = |command: &str| parts.iter().find(|part| part.args[0] == command).map(|part| &part.computed);
     for part in parts {
-        let (lines, png) = report(part);
+        let report = MapReport::new(&part.computation, map, &part.computed, cpu_read);
+        let png = with_scene(&report, draw_small_map).to_png();
+        let mut lines = report.sentences();
+        lines.retain(|line| !of_map.iter().any(|sentence| line.contains(sentence.as_str())));
         document.add(Block::Heading(part.computed.title.clone()));
         document.add(Block::Text(explanation(&part.computation, &part.computed, &find)));
         document.add_list(lines);
@@ -261,7 +260,7 @@ fn or_dash<T: ToString>(value: Option<T>) -> String {
 }
 
 fn search_table(parts: &[PagePart]) -> Table {
-    let row = |part: &PagePart| {
+    let rows = parts.iter().filter(|part| part.is_search()).map(|part| {
         vec![
             part.computed.title.clone(),
             or_dash(part.cost().map(|cost| rounded(cost, 3))),
@@ -270,22 +269,22 @@ fn search_table(parts: &[PagePart]) -> Table {
             or_dash(part.vertices()),
             rounded(part.cpu().as_secs_f64() * 1e3, 3),
         ]
-    };
+    });
     let headings = ["Search", "Cost", "Expansions", "Cells\ntouched", "Points", "CPU\nms"];
-    Table::new(&headings, parts.iter().filter(|part| part.is_search()).map(row).collect())
+    Table::new(&headings, rows.collect())
 }
 
 fn map_table(parts: &[PagePart]) -> Table {
-    let row = |part: &PagePart| {
+    let rows = parts.iter().filter(|part| !part.is_search()).map(|part| {
         let maximum = part.computed.values.max().map(Value::to_short_text);
         let length = part.computed.walk.as_ref().and_then(|walk| match walk.path.answer {
             WalkResult::Reached => Some(rounded(walk.path.length, 3)),
             _ => walk.path.minimum.map(|_| "stuck".to_owned()),
         });
         vec![part.computed.title.clone(), or_dash(maximum), or_dash(length), rounded(part.cpu().as_secs_f64() * 1e3, 3)]
-    };
+    });
     let headings = ["Map", "Maximum", "Length\nof path", "CPU\nms"];
-    Table::new(&headings, parts.iter().filter(|part| !part.is_search()).map(row).collect())
+    Table::new(&headings, rows.collect())
 }
 
 /// The searches as a table for other programs; what there is none of is empty.

@@ -211,9 +211,12 @@ fn largest_value(report: &MapReport) -> String {
 }
 
 fn cpu(report: &MapReport) -> String {
-    let ms = |cpu: Duration| format!("{} ms", rounded(cpu.as_secs_f64() * 1e3, 3));
     let path = report.computed.cpu_path.map(|cpu| format!(", path {}", ms(cpu)));
     format!("CPU: reading {}, map {}{}", ms(report.cpu_read), ms(report.computed.cpu_map), path.unwrap_or_default())
+}
+
+fn ms(cpu: Duration) -> String {
+    format!("{} ms", rounded(cpu.as_secs_f64() * 1e3, 3))
 }
 
 /// All values in rows and columns, those on the path with a star before them; `None` if they would not fit.
@@ -309,11 +312,11 @@ pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
         }
         // A front that spreads gives all cells of a step the same value, the next larger one.
         (None, None) => {
-            let places = || (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
-            let mut values: Vec<f64> = places().filter_map(|place| drawn_value(report, place)).collect();
+            let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
+            let mut values: Vec<f64> = places.clone().filter_map(|place| drawn_value(report, place)).collect();
             values.sort_by(f64::total_cmp);
             values.dedup();
-            for place in places() {
+            for place in places {
                 let value = drawn_value(report, place);
                 order[place] = value.and_then(|value| values.binary_search_by(|other| other.total_cmp(&value)).ok());
             }

@@ -75,7 +75,7 @@ pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
 
 impl From<&Timings> for Document {
     fn from(timings: &Timings) -> Self {
-        let row = |timing: &Timing| {
+        let rows = timings.maps.iter().map(|timing| {
             vec![
                 timing.map.clone(),
                 timing.cells.to_string(),
@@ -83,10 +83,10 @@ impl From<&Timings> for Document {
                 optional(timing.wavefront_s, 7),
                 timing.goal.map_or("-".to_owned(), |(row, col)| format!("{row},{col}")),
             ]
-        };
+        });
         let headings = ["Map", "Cells", "Brushfire\nseconds", "Wavefront\nseconds", "Goal"];
         Self::new("CPU time of brushfire and wavefront").with([
-            Block::Table(Table::new(&headings, timings.maps.iter().map(row).collect())),
+            Block::Table(Table::new(&headings, rows.collect())),
             Block::Text("CPU time of one thread, 8 neighbours, median of repetitions, reading left out.".into()),
             Block::Text("The wavefront's goal, row,column, is the free cell nearest the centre.".into()),
         ])
@@ -98,9 +98,6 @@ fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {
     let goal = free_cell_nearest_centre(occupied);
     let mut distances = Grid::filled(rows, cols, 0);
     let mut steps = Grid::filled(rows, cols, 0);
-    let mut wave = |goal| {
-        wavefront_into(occupied, goal, Connectivity::Eight, CornerCutting::Allowed, &mut steps).expect("it is free");
-    };
     Timing {
         map: path.display().to_string(),
         rows,
@@ -110,7 +107,12 @@ fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {
         brushfire_s: median_s(|| {
             brushfire_into(occupied, Connectivity::Eight, &mut distances);
         }),
-        wavefront_s: goal.map(|goal| median_s(|| wave(goal))),
+        wavefront_s: goal.map(|goal| {
+            median_s(|| {
+                let filled = wavefront_into(occupied, goal, Connectivity::Eight, CornerCutting::Allowed, &mut steps);
+                filled.expect("it is free");
+            })
+        }),
     }
 }
 
@@ -119,12 +121,11 @@ fn free_cell_nearest_centre(occupied: &Grid<bool>) -> Option<Place> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let places = (0..rows).flat_map(|row| (0..cols).map(move |col| (row, col)));
     // Twice the offset from the centre is a whole number.
-    let distance = |&(row, col): &Place| {
+    places.filter(|&place| !occupied[place]).min_by_key(|&(row, col)| {
         let row = (2 * row).abs_diff(rows - 1);
         let col = (2 * col).abs_diff(cols - 1);
         row * row + col * col
-    };
-    places.filter(|&place| !occupied[place]).min_by_key(distance)
+    })
 }
 
 /// The median CPU time of some work in seconds, after it was done once.

@@ -233,9 +233,9 @@ impl<'a> MapFiles<'a> {
     fn draw(&self, panels: &[Panel], path: &Path) -> io::Result<()> {
         let setting = &panels[0].setting;
         let landscape = setting.spread.as_ref().map(SpreadSetting::landscape);
-        let bushes = || (0..setting.frame.cell_count()).map(|index| setting.frame.cell(index));
+        let cells = (0..setting.frame.cell_count()).map(|index| setting.frame.cell(index));
         let covers = landscape.map_or_else(
-            || bush_covers(&setting.frame, &bushes().filter(|&cell| panels[0].can_burn(cell)).collect::<Vec<_>>()),
+            || bush_covers(&setting.frame, &cells.filter(|&cell| panels[0].can_burn(cell)).collect::<Vec<_>>()),
             ground_covers,
         );
         let maps: Vec<FieldMap<'_>> = panels

@@ -176,8 +176,8 @@ fn of_run(
         return Err(CliError::bad_input(sentence, Some("expected ground and `fire.model = \"rothermel\"`")));
     }
     if let Some(behavior) = &behavior {
-        let write = |path: &Path| place.write_bands(path, setting.frame, &arrival_s, behavior);
-        write_all(&[(arguments.files.bands.as_deref(), &write)], context.quiet)?;
+        let bands = arguments.files.bands.as_deref();
+        write_all(&[(bands, &|path| place.write_bands(path, setting.frame, &arrival_s, behavior))], context.quiet)?;
     }
     let fire_types = behavior.as_ref().filter(|_| trees).map(|it| Members(FireType::tally(&it.fire_type)));
     let values = match (quantity, behavior) {

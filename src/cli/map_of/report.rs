@@ -175,13 +175,13 @@ impl BatchMapReport {
             BatchQuantity::MeanIntensity => ("mean fireline intensity", "kW/m"),
         };
         let difference = maps.difference.as_ref().map(|difference| {
-            let found = || difference.mean.iter().copied().filter(|mean| mean.is_finite());
+            let found = difference.mean.iter().copied().filter(|mean| mean.is_finite());
             DifferenceObject {
                 losses: difference.losses,
                 cells_below: difference.upper.iter().filter(|upper| **upper < 0.0).count(),
                 cells_above: difference.lower.iter().filter(|lower| **lower > 0.0).count(),
-                min: found().reduce(f64::min),
-                max: found().reduce(f64::max),
+                min: found.clone().reduce(f64::min),
+                max: found.reduce(f64::max),
             }
         });
         Self {

@@ -105,8 +105,8 @@ fn pictures(arguments: &PlanArguments, problems: &[Problem]) -> Vec<PathBuf> {
     }
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or(String::new(), |extension| format!(".{}", extension.to_string_lossy()));
-    let name = |problem: &Problem| format!("{stem}-{}{extension}", file_name_of(&problem.name));
-    problems.iter().map(|problem| path.with_file_name(name(problem))).collect()
+    let names = problems.iter().map(|problem| format!("{stem}-{}{extension}", file_name_of(&problem.name)));
+    names.map(|name| path.with_file_name(name)).collect()
 }
 
 fn files<'a>(arguments: &'a PlanArguments, pictures: &'a [PathBuf]) -> Files<'a> {
@@ -136,8 +136,7 @@ fn write_files(
         quiet,
     );
     let drawn = report.problems.iter().zip(pictures).map(|(problem, picture)| {
-        let draw = |path: &Path| report.draw(problem).write_png(path);
-        output_files::write_all(&[(Some(picture), &draw)], quiet)
+        output_files::write_all(&[(Some(picture), &|path| report.draw(problem).write_png(path))], quiet)
     });
     // All are tried; the error is the first.
     let written = drawn.fold(tables, Result::and);
@@ -148,12 +147,12 @@ fn write_files(
 
 /// The log of all attempts: a planner for each that was asked.
 fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Option<Started>) -> OmplLog<'a> {
-    let problem = |problem: &Problem| {
+    let problems = report.problems.iter().map(|problem| {
         let frame = problem.terrain.frame;
         let goals = problem.goals.len();
         format!("field {}, {} x {} m, {goals} goals", problem.name, frame.width_m(), frame.height_m())
-    };
-    let planner = |planner: &'a PlannerName| {
+    });
+    let planners = report.planners.iter().map(|planner| {
         let attempts =
             report.attempts.iter().zip(&report.drives.rows).filter(|(attempt, _)| attempt.planner == *planner);
         let settings = planner_settings(planner, report.loaded);
@@ -168,14 +167,14 @@ fn ompl_log<'a>(arguments: &PlanArguments, report: &'a PlanReport, started: Opti
                 })
                 .collect(),
         }
-    };
+    });
     OmplLog {
         scenario: &report.loaded.scenario.name,
         seed: report.seed,
         started,
         memory: arguments.memory.limit(),
         program_limit_s: program_limit_s(report.planners, &report.loaded.scenario.planner),
-        problems: report.problems.iter().map(problem).collect(),
-        planners: report.planners.iter().map(planner).collect(),
+        problems: problems.collect(),
+        planners: planners.collect(),
     }
 }

@@ -19,10 +19,10 @@ pub struct Repeat {
 impl Repeat {
     /// Compares the answers of a planner, which are in the same order.
     pub fn new(planner: &PlannerName, answers: &[Attempt<'_>], again: &[Attempt<'_>]) -> Self {
-        let pairs = || answers.iter().zip(again).filter(|(one, _)| one.planner == *planner);
-        let different = || pairs().filter(|(one, other)| !is_same(one, other));
-        let first = different().next().map(|(one, _)| (one.problem.name.clone(), one.goal));
-        Self { planner: planner.clone(), goals: pairs().count(), different: different().count(), first }
+        let pairs = answers.iter().zip(again).filter(|(one, _)| one.planner == *planner);
+        let different = pairs.clone().filter(|(one, other)| !is_same(one, other));
+        let first = different.clone().next().map(|(one, _)| (one.problem.name.clone(), one.goal));
+        Self { planner: planner.clone(), goals: pairs.count(), different: different.count(), first }
     }
 
     /// Says it in a sentence.

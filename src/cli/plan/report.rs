@@ -49,15 +49,17 @@ impl PlanReport<'_> {
 pub fn planner_settings(planner: &PlannerName, loaded: &LoadedScenario) -> Vec<(String, String)> {
     let tables = planner.built_in().map_or(&[][..], |kind| TruckPlannerKind::maker(kind).tables());
     let of_program = format!("planner.{planner}.");
-    let short_name = |name: String| {
-        if let Some(setting) = name.strip_prefix(&of_program) {
-            return Some(setting.to_owned());
-        }
-        let name = name.strip_prefix("unimog.0.")?;
-        let table = name.split_once('.')?.0;
-        tables.contains(&table).then(|| name.to_owned())
-    };
-    loaded.values().into_iter().filter_map(|(name, value)| Some((short_name(name)?, value))).collect()
+    let values = loaded.values().into_iter();
+    values.filter_map(|(name, value)| Some((setting_name(&name, &of_program, tables)?, value))).collect()
+}
+
+fn setting_name(name: &str, of_program: &str, tables: &[&str]) -> Option<String> {
+    if let Some(setting) = name.strip_prefix(of_program) {
+        return Some(setting.to_owned());
+    }
+    let name = name.strip_prefix("unimog.0.")?;
+    let table = name.split_once('.')?.0;
+    tables.contains(&table).then(|| name.to_owned())
 }
 
 /// Settings that bound a planner's effort: expansions, samples, tries.
@@ -65,16 +67,18 @@ const BUDGETS: [&str; 3] = ["max_expansions", "samples", "shortcuts"];
 
 /// The settings that bound a planner's effort, as text.
 fn budget(planner: &PlannerName, loaded: &LoadedScenario) -> String {
-    let is_budget = |name: &str| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget));
-    let budgets = planner_settings(planner, loaded).into_iter().filter(|(name, _)| is_budget(name));
+    let settings = planner_settings(planner, loaded).into_iter();
+    let budgets = settings.filter(|(name, _)| BUDGETS.iter().any(|budget| name.rsplit('.').next() == Some(budget)));
     let budgets: Vec<_> = budgets.map(|(name, value)| format!("{name}={value}")).collect();
     if budgets.is_empty() { "none".into() } else { budgets.join(", ") }
 }
 
 impl Serialize for PlanReport<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let settings = |planner: &PlannerName| planner_settings(planner, self.loaded).into_iter().collect();
-        let settings = self.planners.iter().map(|planner| (planner.name(), settings(planner)));
+        let settings = self
+            .planners
+            .iter()
+            .map(|planner| (planner.name(), planner_settings(planner, self.loaded).into_iter().collect()));
         let report = object!(Report {
             program_version: PROGRAM_VERSION,
             scenario: &self.loaded.scenario.name,
@@ -93,14 +97,14 @@ impl Serialize for PlanReport<'_> {
 
 /// A field and its goals, which are as a field file has them.
 fn field(problem: &Problem) -> impl Serialize {
-    let goal = |goal: &Goal| match *goal {
+    let goals = problem.goals.iter().map(|goal| match *goal {
         Goal::Pose(pose) => ("pose", [pose.x, pose.y, pose.heading]),
         Goal::Disc(disc) => ("disc", [disc.centre.x, disc.centre.y, disc.radius_m]),
-    };
+    });
     object!(Field {
         field: &problem.name,
         start: [problem.start.x, problem.start.y, problem.start.heading],
-        goals: problem.goals.iter().map(|it| BTreeMap::from([goal(it)])).collect::<Vec<_>>(),
+        goals: goals.map(|goal| BTreeMap::from([goal])).collect::<Vec<_>>(),
     })
 }
 
@@ -142,19 +146,21 @@ impl PlanReport<'_> {
     /// Draws the paths of all planners on one field.
     pub fn draw(&self, problem: &Problem) -> Picture {
         let attempts: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
-        let by = |planner: &PlannerName| {
+        let ways = self.planners.iter().map(|planner| {
             let paths = attempts.iter().filter(|attempt| attempt.planner == *planner);
             let paths: Vec<&Path> = paths.filter_map(|attempt| Some(&attempt.drive.as_ref().ok()?.path)).collect();
             DrivenWays { name: format!("{planner}, {} of {}", paths.len(), problem.goals.len()), paths }
-        };
-        let is_reached = |goal| attempts.iter().any(|attempt| attempt.goal == goal && attempt.drive.is_ok());
+        });
+        let goals = problem.goals.iter().enumerate().map(|(number, &goal)| {
+            (goal, attempts.iter().any(|attempt| attempt.goal == number && attempt.drive.is_ok()))
+        });
         draw_drives(&DriveScene {
             title: &format!("Drives on field {}", problem.name),
             frame: problem.terrain.frame,
             bushes: &problem.terrain.bushes,
             start: problem.start,
-            goals: &problem.goals.iter().enumerate().map(|(n, &goal)| (goal, is_reached(n))).collect::<Vec<_>>(),
-            ways: &self.planners.iter().map(by).collect::<Vec<_>>(),
+            goals: &goals.collect::<Vec<_>>(),
+            ways: &ways.collect::<Vec<_>>(),
         })
     }
 }

@@ -65,8 +65,8 @@ impl Moments {
         if frame + 1 == self.count() {
             return Self::LAST_DELAY;
         }
-        let until = |frame: u64| (100.0 * frame as f64 / self.fps).round();
-        (until(frame + 1) - until(frame)) as u16
+        let [begin, end] = [frame, frame + 1].map(|frame| (100.0 * frame as f64 / self.fps).round());
+        (end - begin) as u16
     }
 
     /// Some frames from all over the film, at most `max`, the last among them.

@@ -56,13 +56,16 @@ pub fn shown_runs(
 
 /// Runs of one title and seed are called by the names that they were asked for by, recordings above all.
 fn tell_apart(shown: &mut [Shown], arguments: &ShowArguments) {
-    let name = |shown: &Shown| (shown.run.title.clone(), shown.run.timeline.setting.seed);
     if let ([first, second], Some(with)) = (shown, &arguments.with)
-        && name(first) == name(second)
+        && title_and_seed(first) == title_and_seed(second)
     {
         first.rename(&arguments.source);
         second.rename(with);
     }
+}
+
+fn title_and_seed(shown: &Shown) -> (String, u64) {
+    (shown.run.title.clone(), shown.run.timeline.setting.seed)
 }
 
 /// Opens a scenario or a recording, or the folder of a batch, by its name.

@@ -1,6 +1,6 @@
 //! Writing a page that plays runs.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 use crate::cli::error::CliError;
@@ -17,10 +17,9 @@ pub fn check_grounds(runs: &[&RunView]) -> Result<(), CliError> {
 
 /// Writes a page that begins at the request's time, seen as its options say.
 pub fn write_page(request: &FrameRequest<'_>, path: &Path) -> Result<(), CliError> {
-    let write = || {
-        let mut file = WholeFile::create(path)?;
+    let written = WholeFile::create(path).and_then(|mut file| {
         file.write_all(page(request).as_bytes())?;
         file.finish()
-    };
-    write().map_err(|error: io::Error| CliError::unwritable(path, &error))
+    });
+    written.map_err(|error| CliError::unwritable(path, &error))
 }

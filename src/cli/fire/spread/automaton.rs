@@ -41,12 +41,15 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
 }
 
 fn ignited_at_start(arguments: &SpreadArguments, frame: FieldFrame) -> Result<Vec<Cell>, CliError> {
-    let at_start = |ignition: TimedIgnition| {
+    let ignited = arguments.ignitions(frame)?.into_iter().map(|ignition| {
         let TimedIgnition { cell: cell @ Cell { col, row }, seconds } = ignition;
-        let sentence = || format!("--ignite {row},{col}@{seconds}: the automaton ignites only at 0 s");
-        if seconds > 0.0 { Err(CliError::bad_input(sentence(), None)) } else { Ok(cell) }
-    };
-    arguments.ignitions(frame)?.into_iter().map(at_start).collect()
+        if seconds > 0.0 {
+            Err(CliError::bad_input(format!("--ignite {row},{col}@{seconds}: the automaton ignites only at 0 s"), None))
+        } else {
+            Ok(cell)
+        }
+    });
+    ignited.collect()
 }
 
 fn write_areas(path: &Path, fires: &[Burned]) -> io::Result<()> {
@@ -96,8 +99,7 @@ fn burn_all(
     arguments: &AutomatonArguments,
 ) -> Vec<Burned> {
     let &AutomatonArguments { runs, seed, steps, jobs, .. } = arguments;
-    let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
-    let fuel = FireField::new(*frame, &[], false).with_ground(cells());
+    let fuel = FireField::new(*frame, &[], false).with_ground((0..frame.cell_count()).map(|index| frame.cell(index)));
     let burn = |run: u32| {
         let mut fires = fuel.clone();
         let automaton = automaton.with_seed(seed.wrapping_add(run.into()));
@@ -132,11 +134,11 @@ impl From<&AutomatonReport<'_>> for Document {
         let wind = report.arguments.wind.as_ref().map_or_else(
             || "no wind".to_owned(),
             |wind| {
-                let step = |step: &WindStep| {
+                let steps = wind.0.iter().map(|step| {
                     let WindStep { from, speed_mps, from_deg } = *step;
                     format!("from {} s on {} m/s from {}", short(from.as_seconds()), short(speed_mps), short(from_deg))
-                };
-                format!("wind {}", wind.0.iter().map(step).collect::<Vec<_>>().join(", "))
+                });
+                format!("wind {}", steps.collect::<Vec<_>>().join(", "))
             },
         );
         let slope = match arguments.slope_and_uphill_deg(&report.arguments.slope) {

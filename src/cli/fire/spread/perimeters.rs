@@ -186,12 +186,12 @@ fn groups(frame: FieldFrame, inside: &[bool]) -> Vec<Option<usize>> {
 /// Leaves out the points at which a ring goes straight on.
 fn turns(ring: &[RingPoint]) -> Ring {
     let count = ring.len();
-    let is_turn = |&at: &usize| {
+    let turns = (0..count).filter(|&at| {
         let [before, corner, after] = [count - 1, 0, 1].map(|step| ring[(at + step) % count]);
         let [to, from] = [[corner[0] - before[0], corner[1] - before[1]], [after[0] - corner[0], after[1] - corner[1]]];
         to[0] * from[1] != to[1] * from[0]
-    };
-    (0..count).filter(is_turn).map(|at| ring[at]).collect()
+    });
+    turns.map(|at| ring[at]).collect()
 }
 
 #[cfg(test)]

@@ -110,8 +110,8 @@ impl SpreadReport {
         let fire = &*fire;
         let landscape = &*ground.landscape;
         let frame = landscape.frame;
-        let cells = || (0..frame.cell_count()).map(|index| frame.cell(index));
-        let burned = || cells().filter_map(|cell| Some((cell, fire.arrival(cell)?)));
+        let cells = (0..frame.cell_count()).map(|index| frame.cell(index));
+        let burned = || cells.clone().filter_map(|cell| Some((cell, fire.arrival(cell)?)));
         let burned_cells = burned().count();
         let is_border =
             |cell: Cell| cell.col == 0 || cell.row == 0 || cell.col + 1 == frame.cols || cell.row + 1 == frame.rows;
@@ -259,20 +259,19 @@ impl From<&SpreadReport> for Document {
     fn from(report: &SpreadReport) -> Self {
         let mut document = Self::new(report.title());
         document.add_list(report.conditions());
-        let row = |name: &str, value: String| vec![name.to_owned(), value];
-        let mut rows = vec![row("Burned cells", report.burned_cells.to_string())];
+        let mut rows = vec![fire_row("Burned cells", report.burned_cells.to_string())];
         let fire_types = report.fire_types.iter().flat_map(|fire_types| &fire_types.0);
-        rows.extend(fire_types.map(|(name, cells)| row(&format!("  by {name} fire"), cells.to_string())));
-        rows.push(row("Burned ha", rounded(report.burned_ha, 2)));
-        rows.push(row("Perimeter m", rounded(report.perimeter_m, 0)));
+        rows.extend(fire_types.map(|(name, cells)| fire_row(&format!("  by {name} fire"), cells.to_string())));
+        rows.push(fire_row("Burned ha", rounded(report.burned_ha, 2)));
+        rows.push(fire_row("Perimeter m", rounded(report.perimeter_m, 0)));
         if let Some(farthest) = &report.farthest {
-            rows.push(row("Farthest from an ignition m", rounded(farthest.distance_m, 0)));
-            rows.push(row("  to azimuth", rounded(farthest.toward_deg, 0)));
-            rows.push(row("  after", minutes(farthest.arrival_s)));
-            rows.push(row("  on average m/min", rounded(farthest.mean_rate_m_min, 2)));
+            rows.push(fire_row("Farthest from an ignition m", rounded(farthest.distance_m, 0)));
+            rows.push(fire_row("  to azimuth", rounded(farthest.toward_deg, 0)));
+            rows.push(fire_row("  after", minutes(farthest.arrival_s)));
+            rows.push(fire_row("  on average m/min", rounded(farthest.mean_rate_m_min, 2)));
         }
         let edge = report.reached_edge_s.map_or_else(|| "no".to_owned(), |time| format!("after {}", minutes(time)));
-        rows.push(row("Reached the edge", edge));
+        rows.push(fire_row("Reached the edge", edge));
         document.add(Table::new(&["Fire", "Value"], rows));
         let mut remarks = Vec::new();
         if report.is_enclosed() {
@@ -292,4 +291,8 @@ impl From<&SpreadReport> for Document {
         document.add_list(remarks);
         document
     }
+}
+
+fn fire_row(name: &str, value: String) -> Vec<String> {
+    vec![name.to_owned(), value]
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::ground::GroundSources;
 use super::report::SpreadReport;
-use super::{SpreadArguments, TimedIgnition, perimeters};
+use super::{SpreadArguments, perimeters};
 use crate::cli::error::CliError;
 use crate::cli::map_of;
 use crate::cli::output_files::{self, Files, Format};
@@ -67,8 +67,9 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let perimeter_m = perimeters::perimeter_m(landscape.frame, &expected, arguments.duration);
     let report = SpreadReport::new(arguments, &ground, &mut fire, &ignitions, cpu, &fire_types, perimeter_m);
     let arrivals = || {
-        let seconds = |cell| fire.arrival(cell).map_or(f64::NAN, SimTime::as_seconds);
-        (0..landscape.frame.cell_count()).map(|index| seconds(landscape.frame.cell(index))).collect::<Vec<f64>>()
+        (0..landscape.frame.cell_count())
+            .map(|index| fire.arrival(landscape.frame.cell(index)).map_or(f64::NAN, SimTime::as_seconds))
+            .collect::<Vec<f64>>()
     };
     let write_raster = |path: &Path, values: &[f64]| {
         let format = raster_format(Some(path));
@@ -78,19 +79,16 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         let raster = map_of::raster(&ground.place, landscape.frame, values);
         if format == Format::Tif { raster::write_geotiff(path, &raster) } else { raster::write_asc(path, &raster) }
     };
-    let write_arrivals = |path: &Path| write_raster(path, &arrivals());
-    let write_types = |path: &Path| write_raster(path, &fire_types);
     let write_bands = |path: &Path| {
-        let ignition = |cell| {
+        let cells = (0..landscape.frame.cell_count()).map(|index| landscape.frame.cell(index));
+        let ignitions = cells.map(|cell| {
             let parent = fire.parent(cell)?;
             Some((fire.arrival(cell)?, if parent == cell { Cause::Scheduled } else { Cause::Spread(parent) }))
-        };
-        let ignitions: Vec<_> =
-            (0..landscape.frame.cell_count()).map(|index| ignition(landscape.frame.cell(index))).collect();
+        });
+        let ignitions: Vec<_> = ignitions.collect();
         let behavior = FireBehavior::new((&landscape, &weather, &rules), &ignitions);
         ground.place.write_bands(path, landscape.frame, &arrivals(), &behavior)
     };
-    let write_perimeters = |path: &Path| perimeters::write(path, &ground, &expected, &times_s);
     let draw = |path: &Path| {
         let ignited: Vec<Cell> = ignitions.iter().map(|&(_, cell)| cell).collect();
         let map = FieldMap {
@@ -109,10 +107,10 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let printed = stream.print(&arguments.form.render(&report));
     let written = output_files::write_all(
         &[
-            (arguments.arrival.as_deref(), &write_arrivals),
+            (arguments.arrival.as_deref(), &|path| write_raster(path, &arrivals())),
             (arguments.bands.as_deref(), &write_bands),
-            (arguments.canopy.fire_type.as_deref(), &write_types),
-            (arguments.perimeters.perimeters.as_deref(), &write_perimeters),
+            (arguments.canopy.fire_type.as_deref(), &|path| write_raster(path, &fire_types)),
+            (arguments.perimeters.perimeters.as_deref(), &|path| perimeters::write(path, &ground, &expected, &times_s)),
             (arguments.png.as_deref(), &draw),
         ],
         quiet,
@@ -131,7 +129,7 @@ fn raster_format(path: Option<&Path>) -> Format {
 
 /// Returns what is lit when, if it burns.
 fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
-    let ignition = |start: TimedIgnition| {
+    let ignitions = arguments.ignitions(landscape.frame)?.into_iter().map(|start| {
         let fuel = landscape.fuel_number(start.cell);
         if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
             return Ok((SimTime::from_seconds(start.seconds), start.cell));
@@ -142,6 +140,6 @@ fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(
             None => format!("--ignite {row},{col}: this cell cannot burn, it has no fuel"),
         };
         Err(CliError::bad_input(sentence, Some("rows count from the south, from 0")))
-    };
-    arguments.ignitions(landscape.frame)?.into_iter().map(ignition).collect()
+    });
+    ignitions.collect()
 }

@@ -91,14 +91,14 @@ impl<'a> Benchmark<'a> {
             context.expect_trusted_planners(&variant.scenario, names)?;
         }
         let mut values: Vec<Vec<Value>> = Vec::new();
-        let mut place_of = |variant: &Variant| {
+        let places = plan.variants.iter().map(|variant| {
             let place = values.iter().position(|existing| *existing == variant.swept).unwrap_or(values.len());
             if place == values.len() {
                 values.push(variant.swept.clone());
             }
             place
-        };
-        let places = plan.variants.iter().map(&mut place_of).collect();
+        });
+        let places = places.collect();
         Ok(Self { arguments, context, text, plan, planners, values, places })
     }
 

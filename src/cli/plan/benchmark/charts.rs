@@ -68,39 +68,38 @@ impl Charts {
 
 /// Names the sheets of a chart, those after the first with a number.
 fn sheets(file: &str, drawings: Vec<Drawing>) -> impl Iterator<Item = ChartSheet> {
-    let name = |index| if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
-    drawings
-        .into_iter()
-        .enumerate()
-        .map(|(index, drawing)| ChartSheet { file: name(index), data: file.to_owned(), drawing })
-        .collect::<Vec<_>>()
-        .into_iter()
+    let sheets = drawings.into_iter().enumerate().map(|(index, drawing)| {
+        let name = if index == 0 { file.to_owned() } else { format!("{file}-{}", index + 1) };
+        ChartSheet { file: name, data: file.to_owned(), drawing }
+    });
+    sheets.collect::<Vec<_>>().into_iter()
 }
 
 /// The words that tell groups apart: planners, then the values of each key.
 fn group_texts(queries: &DriveTable, groups: &[PlannerSummary]) -> Vec<Vec<String>> {
     let planners = groups.iter().map(|group| group.planner.to_string()).collect();
-    let key = |(index, name): (usize, &String)| {
+    let values = queries.keys.iter().enumerate().map(|(index, name)| {
         groups.iter().map(|group| format!("{name} {}", queries.variants[group.variant][index])).collect()
-    };
-    std::iter::once(planners).chain(queries.keys.iter().enumerate().map(key)).collect()
+    });
+    std::iter::once(planners).chain(values).collect()
 }
 
 /// `None` where all queries have the same number.
 fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> Option<BoxChart> {
-    let named_box = |series: FacetSeries| {
-        let group = &groups[series.variants[0]];
-        BoxSeries {
-            name: series.name,
-            style: series.style,
-            values: group.values(measure).iter().map(|value| measure.scale * value).collect(),
-            quartiles: group.quartiles(measure).map(|quartiles| quartiles.map(|value| measure.scale * value)),
-        }
-    };
     let facets = word_facets(group_texts(queries, groups), None).into_iter();
-    let panels: Vec<BoxPanel> = facets
-        .map(|panel| BoxPanel { name: panel.name, boxes: panel.series.into_iter().map(named_box).collect() })
-        .collect();
+    let panels = facets.map(|panel| {
+        let boxes = panel.series.into_iter().map(|series| {
+            let group = &groups[series.variants[0]];
+            BoxSeries {
+                name: series.name,
+                style: series.style,
+                values: group.values(measure).iter().map(|value| measure.scale * value).collect(),
+                quartiles: group.quartiles(measure).map(|quartiles| quartiles.map(|value| measure.scale * value)),
+            }
+        });
+        BoxPanel { name: panel.name, boxes: boxes.collect() }
+    });
+    let panels: Vec<BoxPanel> = panels.collect();
     let mut ends =
         panels.iter().flat_map(|panel| &panel.boxes).filter_map(|it| it.values.first().zip(it.values.last()));
     let (&first, _) = ends.clone().next()?;
@@ -120,12 +119,12 @@ fn boxes(queries: &DriveTable, groups: &[PlannerSummary], measure: &Measure) -> 
 
 /// Returns the place of each group along an axis of a key; `None` unless all values are numbers, and two differ.
 fn places(queries: &DriveTable, groups: &[PlannerSummary], key: usize) -> Option<Vec<f64>> {
-    let number = |group: &PlannerSummary| match queries.variants[group.variant][key] {
+    let places = groups.iter().map(|group| match queries.variants[group.variant][key] {
         Value::Count(count) => Some(count as f64),
         Value::Real(number) if number.is_finite() => Some(number),
         _ => None,
-    };
-    let places: Option<Vec<f64>> = groups.iter().map(number).collect();
+    });
+    let places: Option<Vec<f64>> = places.collect();
     places.filter(|places| places.iter().any(|place| *place != places[0]))
 }
 
@@ -148,19 +147,18 @@ impl Over<'_> {
             x: key.clone(),
             y: axis.into(),
         };
-        let percent = |estimate: Estimate| scaled(estimate, 100.0);
         let note = "Marks are shares of queries, whiskers Wilson's 95 % intervals.";
-        let solved = self
-            .chart(titles("Queries that found a drive", note, "percent"), |group| Some(percent(group.solved_share())));
+        let solved = self.chart(titles("Queries that found a drive", note, "percent"), |group| {
+            Some(scaled(group.solved_share(), 100.0))
+        });
         let note = "Marks are medians, whiskers their 95 % intervals by order statistics.";
         let medians = MEASURES.into_iter().map(|measure| {
             let titles = titles(measure.title, note, measure.axis);
             (measure.column, self.chart(titles, |group| Some(scaled(group.median(measure)?, measure.scale))))
         });
-        let has_points = |chart: &CurveChart| {
-            chart.panels.iter().flat_map(|panel| &panel.curves).any(|curve| !curve.points.is_empty())
-        };
-        std::iter::once(("solved", solved)).chain(medians).filter(|(_, chart)| has_points(chart)).collect()
+        let mut charts: Vec<_> = std::iter::once(("solved", solved)).chain(medians).collect();
+        charts.retain(|(_, chart)| chart.panels.iter().flat_map(|panel| &panel.curves).any(|it| !it.points.is_empty()));
+        charts
     }
 
     fn chart(&self, titles: Titles, value: impl Fn(&PlannerSummary) -> Option<Estimate>) -> CurveChart {

@@ -49,9 +49,11 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
     let report = run_queries(arguments, &benchmark)?;
     let printed = stream.print(&arguments.form.render(&report));
     // Whatever cannot be written, all else is kept.
-    let log = |path: &Path| ompl_log(&benchmark, &report, started)?.write(path);
     let written = output_files::write_all(
-        &[(arguments.csv.as_deref(), &|path| report.drives.write(path)), (arguments.ompl.as_deref(), &log)],
+        &[
+            (arguments.csv.as_deref(), &|path| report.drives.write(path)),
+            (arguments.ompl.as_deref(), &|path| ompl_log(&benchmark, &report, started)?.write(path)),
+        ],
         context.quiet,
     );
     let filled = arguments.report.as_deref().map_or(Ok(()), |folder| fill_folder(folder, &report, context.quiet));
@@ -122,13 +124,11 @@ fn ompl_log<'a>(
     started: Option<Started>,
 ) -> std::io::Result<OmplLog<'a>> {
     let plan = &benchmark.plan;
-    let title = |variant: usize| {
-        let values = plan.swept_keys.iter().zip(&plan.variants[variant].swept);
-        values.map(|(key, value)| format!(", {key} {value}")).collect::<String>()
-    };
-    let problem = |it: &ask::BenchmarkProblem| {
-        format!("field {}, seed {}{}, {} goals", it.field, it.seed, title(it.variant), it.goals)
-    };
+    let problems = report.problems.iter().map(|it| {
+        let values = plan.swept_keys.iter().zip(&plan.variants[it.variant].swept);
+        let values = values.map(|(key, value)| format!(", {key} {value}")).collect::<String>();
+        format!("field {}, seed {}{values}, {} goals", it.field, it.seed, it.goals)
+    });
     let mut planners = Vec::new();
     for (variant, names) in benchmark.planners.iter().enumerate() {
         let changes = &plan.variants[variant].changes;
@@ -166,7 +166,7 @@ fn ompl_log<'a>(
         program_limit_s: programs
             .map(|(variant, names)| program_limit_s(names, &variant.scenario.planner))
             .fold(0.0, f64::max),
-        problems: report.problems.iter().map(problem).collect(),
+        problems: problems.collect(),
         planners: planners.into_iter().map(|(_, planner)| planner).collect(),
     })
 }

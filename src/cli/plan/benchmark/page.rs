@@ -44,9 +44,8 @@ pub fn write_page(
     let charts = Charts::new(queries, &groups, SCREEN_WIDTH);
     let folder = charts_folder_of(page);
     fs::create_dir_all(&folder).map_err(|error| CliError::unwritable(&folder, &error))?;
-    let write = |sheet: &ChartSheet| write_chart(&folder, &sheet.file, &sheet.drawing);
     let sheets = || charts.boxes.iter().chain(&charts.curves);
-    sheets().try_for_each(write).map_err(from_report_error)?;
+    sheets().try_for_each(|sheet| write_chart(&folder, &sheet.file, &sheet.drawing)).map_err(from_report_error)?;
     charts.data.iter().try_for_each(|data| write_chart_data(&folder, data)).map_err(from_report_error)?;
     if paper.pdf || paper.pgf {
         let on_paper = Charts::new(queries, &groups, paper.size.units());
@@ -58,12 +57,11 @@ pub fn write_page(
             .map_err(from_report_error)?;
     }
     let html = document(queries, &groups, &charts, title, &folder).to_html();
-    let write = || {
-        let mut file = WholeFile::create(page)?;
+    let written = WholeFile::create(page).and_then(|mut file| {
         file.write_all(html.as_bytes())?;
         file.finish()
-    };
-    write().map_err(|error| CliError::unwritable(page, &error))?;
+    });
+    written.map_err(|error| CliError::unwritable(page, &error))?;
     let texts = sheets().flat_map(|sheet| sheet.drawing.texts()).map(str::to_owned).collect();
     let drawn = sheets().count();
     Ok(WrittenPage { charts_folder: folder, charts: drawn, refused: charts.refused, texts })
@@ -91,14 +89,14 @@ fn document(queries: &DriveTable, groups: &[PlannerSummary], charts: &Charts, ti
     let summary = format!("{}: {rows} queries. wildfire {PROGRAM_VERSION}.", parts.join(", "));
     let figures = |sheets: &[ChartSheet]| -> Vec<Block> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        let block = |sheet: &ChartSheet| {
+        let blocks = sheets.iter().map(|sheet| {
             Block::Figure(Figure {
                 svg: sheet.drawing.to_svg(),
                 file: Some(format!("{name}/{}", sheet.file)),
                 more_files: vec![format!("{name}/{}.csv", sheet.data)],
             })
-        };
-        sheets.iter().map(block).collect()
+        });
+        blocks.collect()
     };
     let mut tables = interval_tables(queries, groups);
     tables.push(Block::List(INTERVAL_LEGEND.map(str::to_owned).to_vec()));
