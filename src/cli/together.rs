@@ -79,7 +79,9 @@ fn limit_s(text: &str) -> Result<f64, String> {
 /// Plans all instances that were named.
 pub fn run(
     arguments: &TogetherArguments,
-    (seed, form, csv): (u64, FormArguments, &Option<PathBuf>),
+    seed: u64,
+    form: FormArguments,
+    csv: &Option<PathBuf>,
     context: &CommandContext,
 ) -> Result<ExitCode, CliError> {
     let inputs = instances(&arguments.together)?;

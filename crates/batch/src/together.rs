@@ -61,9 +61,9 @@ impl CheckedSolution {
 impl SolutionFigures {
     fn new(instance: &Instance, routes: &[Route]) -> Self {
         let (sum_m, max_m) = instance.bounds_m();
-        let flowtimes = || routes.iter().map(Route::flowtime_m);
-        let flowtime_m = flowtimes().sum::<f64>();
-        let makespan_m = flowtimes().fold(0.0, f64::max);
+        let flowtimes = routes.iter().map(Route::flowtime_m);
+        let flowtime_m = flowtimes.clone().sum::<f64>();
+        let makespan_m = flowtimes.fold(0.0, f64::max);
         // Vehicles that are all at their goals have a bound of 0.
         let over = |metres: f64, bound_m: f64| lower_bound_ratio(metres, bound_m).unwrap_or(1.0);
         Self {
@@ -259,15 +259,14 @@ impl TogetherReport {
     }
 
     fn summaries(&self) -> Vec<Summary> {
-        let key = |row: &InstanceRow| (row.width_m.to_bits(), row.height_m.to_bits(), row.obstacles > 0);
-        let mut keys: Vec<_> = self.rows.iter().map(key).collect();
+        let mut keys: Vec<_> = self.rows.iter().map(group_of).collect();
         // Positive numbers are in the order of their bits.
         keys.sort_unstable();
         keys.dedup();
         let mut summaries: Vec<Summary> = keys
             .iter()
             .map(|group| {
-                let rows: Vec<&InstanceRow> = self.rows.iter().filter(|row| key(row) == *group).collect();
+                let rows: Vec<&InstanceRow> = self.rows.iter().filter(|row| group_of(row) == *group).collect();
                 let kind = if group.2 { "obstacles" } else { "empty" };
                 Summary::new(format!("{} x {} m, {kind}", rows[0].width_m, rows[0].height_m), &rows)
             })
@@ -277,6 +276,10 @@ impl TogetherReport {
         }
         summaries
     }
+}
+
+fn group_of(row: &InstanceRow) -> (u64, u64, bool) {
+    (row.width_m.to_bits(), row.height_m.to_bits(), row.obstacles > 0)
 }
 
 impl Serialize for TogetherReport {

@@ -229,7 +229,8 @@ impl<'a> BehaviorReport<'a> {
             wind_from_deg: arguments.wind.from_deg.or(arguments.wind_from).unwrap_or(USUAL_WIND_FROM_DEG),
             slope: arguments.slope,
         };
-        let (bed, fire) = conditions.burn(&options);
+        let bed = conditions.bed(&options);
+        let fire = conditions.burn(&options);
         let crown = canopy.map(|canopy| {
             let below = CrownConditions {
                 canopy,

@@ -29,12 +29,14 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Returns the fuel as it burns, and the fire.
-    pub fn burn(&self, options: &SurfaceOptions) -> (FuelBed, SurfaceFire) {
-        let bed = FuelBed::new(self.model, &self.moisture, options.curing);
+    /// Returns the fuel as it burns.
+    pub fn bed(&self, options: &SurfaceOptions) -> FuelBed {
+        FuelBed::new(self.model, &self.moisture, options.curing)
+    }
+
+    pub fn burn(&self, options: &SurfaceOptions) -> SurfaceFire {
         let wind = compass::unit_from(self.wind_from_deg) * self.wind_midflame_mps;
-        let fire = bed.behavior(wind, self.slope.gradient(), options);
-        (bed, fire)
+        self.bed(options).behavior(wind, self.slope.gradient(), options)
     }
 }
 
@@ -151,5 +153,5 @@ fn fire(table: &NumberTable<11>, numbers: &[f64; 11], options: &SurfaceOptions) 
         wind_from_deg,
         slope: SlopeArguments { slope, aspect },
     };
-    Ok(conditions.burn(&SurfaceOptions { wind_limit, ..*options }).1)
+    Ok(conditions.burn(&SurfaceOptions { wind_limit, ..*options }))
 }

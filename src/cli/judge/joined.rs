@@ -20,6 +20,13 @@ use wildfire_timeline::Body;
 
 use super::path_table::TablePose;
 
+/// The figures of a path, and its first violation in words.
+#[derive(Debug)]
+pub struct PathVerdict {
+    pub figures: DriveFigures,
+    pub violation: Option<String>,
+}
+
 /// The excess of curvature that is allowed: as a share, and in 1/m.
 const CURVATURE_SHARE: f64 = 0.01;
 pub const CURVATURE_SLACK: f64 = 1e-3;
@@ -104,8 +111,8 @@ impl<'a> PathJudge<'a> {
         &self.problem.truck.vehicle
     }
 
-    /// Returns the figures of a path to a goal, and the first thing that is wrong with it, in words.
-    pub fn judge(&self, goal: Goal, poses: &[TablePose]) -> (DriveFigures, Option<String>) {
+    /// Returns the figures of a path to a goal, and the first thing that is wrong with it.
+    pub fn judge(&self, goal: Goal, poses: &[TablePose]) -> PathVerdict {
         let arcs: Vec<PoseArc> = poses.windows(2).map(|pair| PoseArc::new(&pair[0], &pair[1])).collect();
         let start = poses[0].pose;
         let end = poses[poses.len() - 1].pose;
@@ -128,7 +135,7 @@ impl<'a> PathJudge<'a> {
         };
         if is_endless {
             let [found, limit] = beside_limit(length_m, max_m, 2);
-            return (figures, Some(format!("it is {found} m long; the limit is {limit} m")));
+            return PathVerdict { figures, violation: Some(format!("it is {found} m long; the limit is {limit} m")) };
         }
         let begins = missed(Goal::Pose(self.problem.start), start, self.body());
         let begins = begins.map(|by| format!("line {}: it begins {by} away from the start", poses[0].line));
@@ -140,7 +147,7 @@ impl<'a> PathJudge<'a> {
             let last = poses[poses.len() - 1].line;
             missed(goal, end, self.body()).map(|by| format!("line {last}: it ends {by} away"))
         };
-        (figures, begins.or_else(touches).or_else(|| self.violation(&arcs)).or_else(ends))
+        PathVerdict { figures, violation: begins.or_else(touches).or_else(|| self.violation(&arcs)).or_else(ends) }
     }
 
     /// Finds the first place where the arcs turn too sharply, do not lead on, or touch something.

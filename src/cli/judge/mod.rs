@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use joined::PathJudge;
+use joined::{PathJudge, PathVerdict};
 use path_table::{PathTable, PathTableError, TablePath};
 use report::JudgeReport;
 
@@ -28,7 +28,6 @@ use wildfire_batch::drives::{
     Attempt, AttemptSettings, CertificateFile, CertificateReport, DriveError, DriveFailure, DriveProblems, DriveQuery,
     MAX_CERTIFICATE_BYTES, attempts, shortened_field,
 };
-use wildfire_planning::judge::DriveFigures;
 use wildfire_planning::together::Mode;
 use wildfire_planning::{PlannerName, Planners};
 use wildfire_scenario::{LoadedScenario, Problem};
@@ -224,7 +223,7 @@ fn row_of_attempt(attempt: &Attempt, goal: usize, name: &str) -> DriveQuery {
 
 /// Returns the row of a path that was computed elsewhere.
 fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<PathVerdict>) -> DriveQuery {
-    let (figures, violation) = verdict.unzip();
+    let figures = verdict.as_ref().map(|verdict| verdict.figures);
     DriveQuery {
         seed: None,
         variant: 0,
@@ -234,7 +233,7 @@ fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Path
         cost: None,
         figures,
         failure: figures.is_none().then_some(DriveFailure::NoPath),
-        violation: violation.flatten().map(Into::into),
+        violation: verdict.and_then(|verdict| verdict.violation).map(Into::into),
         certified_bound_m: None,
         message: None,
     }
@@ -275,9 +274,6 @@ fn judge_table(
     let title = format!("{title}, {goals}: paths of {}", count(judged.len(), "planner"));
     conclude(&JudgeReport::new(title, &judged, &names, rows))
 }
-
-/// The figures of a path, and its first violation.
-type PathVerdict = (DriveFigures, Option<String>);
 
 /// Verdicts by planner, field and goal.
 type Verdicts = BTreeMap<(usize, usize, usize), PathVerdict>;
@@ -320,7 +316,8 @@ fn judge_recording(
     let mut rows = Vec::new();
     for (number, drive) in drives.iter().enumerate() {
         let truck = judged.iter().find(|name| **name == drive.truck.to_string()).expect("it is in the list");
-        let row = row_of_path((field, number, truck), Some((drive.figures, drive.violation.clone())));
+        let verdict = PathVerdict { figures: drive.figures, violation: drive.violation.clone() };
+        let row = row_of_path((field, number, truck), Some(verdict));
         rows.push(DriveQuery { failure: drive.is_dropped.then_some(DriveFailure::Dropped), ..row });
         if !against.planners.is_empty() {
             let scenario = &against.loaded.scenario;
@@ -367,7 +364,7 @@ mod tests {
         match judge_paths(&paths, &problems) {
             Ok((planners, verdicts)) => {
                 case.count("tables of paths accepted");
-                let is_sane = |(figures, _): &(DriveFigures, _)| figures.length_m >= 0.0 && figures.drive_s.is_finite();
+                let is_sane = |it: &PathVerdict| it.figures.length_m >= 0.0 && it.figures.drive_s.is_finite();
                 if planners.is_empty() || verdicts.is_empty() || !verdicts.values().all(is_sane) {
                     return Err(format!("{planners:?} have {verdicts:?}"));
                 }

@@ -35,8 +35,7 @@ pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCo
         return benchmark::report(report, context.quiet);
     }
     if !arguments.together.together.is_empty() {
-        let output = (arguments.problems.seed, arguments.form, &arguments.csv);
-        return together::run(&arguments.together, output, context);
+        return together::run(&arguments.together, arguments.problems.seed, arguments.form, &arguments.csv, context);
     }
     if benchmark::matches(arguments)? {
         return benchmark::run(arguments, context);

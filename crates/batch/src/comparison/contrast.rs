@@ -106,16 +106,22 @@ pub struct ByStratum {
     pub test: Option<RepeatedMeasures>,
 }
 
+/// A contrast before p-values are adjusted, and its strata by themselves if there are several.
+#[derive(Clone, Debug)]
+pub struct UntestedContrast {
+    pub contrast: Contrast,
+    pub by_stratum: Option<ByStratum>,
+}
+
 impl Contrast {
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
-    /// The second value has the strata by themselves, if there are several.
     pub fn new(
         metric: &Metric,
         first: &Side<'_>,
         second: &Side<'_>,
         pairs: &Pairs,
         columns: &[usize],
-    ) -> Option<(Self, Option<ByStratum>)> {
+    ) -> Option<UntestedContrast> {
         let row = |side: &Side<'_>, run: usize| -> Vec<f64> {
             columns.iter().map(|&column| side.table.values[column][run]).collect()
         };
@@ -129,30 +135,29 @@ impl Contrast {
             .zip(&pairs.stratum_of)
             .filter_map(|((numbers, seed), &stratum)| numbers.map(|numbers| NumberPair { seed, stratum, numbers }));
         let by = (pairs.strata.len() > 1).then(|| pairs.stratified_by());
-        let (contrast, by_stratum) = Self::from_numbers(metric, numbers.collect(), by)?;
-        Some((Self { cut_off, ..contrast }, by_stratum))
+        let mut found = Self::from_numbers(metric, numbers.collect(), by)?;
+        found.contrast.cut_off = cut_off;
+        Some(found)
     }
 
     /// Contrasts pairs of runs, in any order; `None` if there are none. Where they are in several strata, `by` is what
-    /// these differ in; then the contrast is a mean over the strata, and the second value has them by themselves.
+    /// these differ in; then the contrast is a mean over the strata.
     ///
     /// Pairs of one seed in several strata are on related fields: seeds are independent, and strata are not a sample of
     /// anything. So the contrast is one of means by seed, over its strata.
-    pub fn from_numbers(
-        metric: &Metric,
-        mut pairs: Vec<NumberPair>,
-        by: Option<String>,
-    ) -> Option<(Self, Option<ByStratum>)> {
+    pub fn from_numbers(metric: &Metric, mut pairs: Vec<NumberPair>, by: Option<String>) -> Option<UntestedContrast> {
         pairs.sort_unstable_by_key(|pair| (pair.seed, pair.stratum));
         let all: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.numbers).collect();
-        let Some(by) = by else { return Some((contrast_of_pairs(metric, &all)?, None)) };
+        let Some(by) = by else {
+            return Some(UntestedContrast { contrast: contrast_of_pairs(metric, &all)?, by_stratum: None });
+        };
         let strata = by_stratum(metric, &pairs, by);
         let differences = differences_by_seed(&pairs, &strata);
         let contrast = match metric.kind {
             MetricKind::Answer { .. } => contrast_rates(metric, &all, &differences, strata.contrasts.len()),
             _ => contrast_numbers(metric, &all, &differences),
         };
-        Some((contrast?, Some(strata)))
+        Some(UntestedContrast { contrast: contrast?, by_stratum: Some(strata) })
     }
 }
 

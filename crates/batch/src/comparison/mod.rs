@@ -39,7 +39,7 @@ use std::path::PathBuf;
 
 pub use crate::table::Better;
 pub(super) use contrast::contrast_of_pairs;
-pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair};
+pub use contrast::{ByStratum, Contrast, CutOff, Method, NumberPair, UntestedContrast};
 pub use error::ComparisonError;
 pub use metric::{Metric, MetricKind, NAMED_METRICS, NamedMetric};
 pub use pairs::{Pairs, Stratum};
@@ -202,7 +202,7 @@ struct Untested {
     letter: char,
     settings: SettingsDifference,
     pairs: Pairs,
-    contrasts: Vec<(Contrast, Option<ByStratum>)>,
+    contrasts: Vec<UntestedContrast>,
 }
 
 fn read(paths: &[PathBuf], names: &[String]) -> Result<(Vec<Metric>, Vec<RunsTable>), ComparisonError> {
@@ -240,15 +240,15 @@ fn judged(against_a: Vec<Untested>) -> Vec<ComparisonToA> {
 }
 
 /// Judges contrasts as one family: adjusts their p-values together, and those of all of their strata.
-pub(crate) fn judge(contrasts: Vec<(Contrast, Option<ByStratum>)>) -> Vec<JudgedContrast> {
-    let mut overall = TestFamily::from_contrasts(contrasts.iter().map(|(contrast, _)| contrast));
-    let by_stratum = || contrasts.iter().filter_map(|(_, by_stratum)| by_stratum.as_ref());
+pub(crate) fn judge(contrasts: Vec<UntestedContrast>) -> Vec<JudgedContrast> {
+    let mut overall = TestFamily::from_contrasts(contrasts.iter().map(|it| &it.contrast));
+    let by_stratum = || contrasts.iter().filter_map(|it| it.by_stratum.as_ref());
     let mut within =
         TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
     let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
     contrasts
         .into_iter()
-        .map(|(contrast, by_stratum)| {
+        .map(|UntestedContrast { contrast, by_stratum }| {
             let judged = overall.judge(contrast);
             JudgedContrast {
                 by_stratum: by_stratum.map(|ByStratum { by, contrasts, seeds, test }| JudgedStrata {

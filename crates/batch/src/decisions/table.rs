@@ -114,7 +114,7 @@ fn add(file: &mut ParquetWriter, run: &PlannedRun<'_>, report: &WhyReport) -> Re
     // The columns that name the run are those of its row, whatever its outcome.
     let outcome = RunResult::new(Outcome::default(), RunCost::default());
     let named = RecordedRow::new(RunRow::done(run.label(), outcome, Duration::ZERO));
-    file.add_alike(named.values().0, rows.len(), |row, column| (DECISION_COLUMNS[column].value)(&rows[row]))
+    file.add_alike(named.label_values(), rows.len(), |row, column| (DECISION_COLUMNS[column].value)(&rows[row]))
 }
 
 /// The reason why decisions of a batch were not judged.

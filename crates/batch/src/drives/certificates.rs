@@ -97,24 +97,26 @@ fn checker(problem: &Problem) -> CollisionChecker {
 
 /// Says for each planner what its paths are longer than certified.
 pub fn gap_sentences(summaries: &[PlannerSummary], drives: &DriveTable) -> Vec<String> {
-    let sentence = |summary: &PlannerSummary| {
-        let rows = drives.rows.iter().filter(|row| row.planner == summary.planner);
-        let gaps = rows.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
-        let gaps: Vec<f64> = gaps.collect();
-        let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
-        let max = gaps.iter().copied().fold(0.0, f64::max);
-        let planner = visible_start(&summary.planner);
-        if gaps.is_empty() {
-            return format!("{planner}: no certified goal.");
-        }
-        let goals = count(gaps.len(), "certified goal");
-        format!(
-            "{planner}: {goals}; paths are at most {} % longer than the shortest, mean of goals; worst {} %.",
-            rounded(100.0 * mean, 2),
-            rounded(100.0 * max, 2)
-        )
-    };
-    summaries.iter().map(sentence).collect()
+    summaries
+        .iter()
+        .map(|summary| {
+            let rows = drives.rows.iter().filter(|row| row.planner == summary.planner);
+            let gaps = rows.filter_map(|row| Some(row.solved()?.length_m / row.certified_bound_m? - 1.0));
+            let gaps: Vec<f64> = gaps.collect();
+            let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
+            let max = gaps.iter().copied().fold(0.0, f64::max);
+            let planner = visible_start(&summary.planner);
+            if gaps.is_empty() {
+                return format!("{planner}: no certified goal.");
+            }
+            let goals = count(gaps.len(), "certified goal");
+            format!(
+                "{planner}: {goals}; paths are at most {} % longer than the shortest, mean of goals; worst {} %.",
+                rounded(100.0 * mean, 2),
+                rounded(100.0 * max, 2)
+            )
+        })
+        .collect()
 }
 
 /// A certificate that was checked.
@@ -198,14 +200,14 @@ impl From<&CertificateReport> for Document {
             all => format!("{sound} of {} hold", count(all, "certificate")),
         });
         if (1..=SHOWN_ROWS).contains(&report.rows.len()) {
-            let cells = |row: &CertificateCheck| {
+            let rows = report.rows.iter().map(|row| {
                 let verdict = if row.fault.is_some() { "refused" } else { "holds" };
                 let numbers = [row.goal.to_string(), rounded(row.certified_bound_m, 3), rounded(row.clearance_m, 3)];
                 let [goal, bound, clearance] = numbers;
                 vec![shortened_field(&row.field), goal, bound, clearance, row.corners.to_string(), verdict.into()]
-            };
+            });
             let headings = ["Field", "Goal", "Bound\nm", "Clear.\nm", "Cor-\nners", "Verdict"];
-            document.add(Table::new(&headings, report.rows.iter().map(cells).collect()));
+            document.add(Table::new(&headings, rows.collect()));
         }
         let shown = faults.iter().take(SHOWN_FAULTS).map(|row| {
             let fault = row.fault.as_deref().unwrap_or_default();

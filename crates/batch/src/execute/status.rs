@@ -128,12 +128,13 @@ impl JournalScan {
         let mut new = 0;
         for counted in &mut self.slices {
             let path = self.folder.journal(counted.slice);
-            let (lines, bytes) = match count_lines(&path, counted.bytes) {
+            let found = match count_lines(&path, counted.bytes) {
                 Err(JournalError::Unreadable { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
                 found => found?,
             };
-            (counted.lines, counted.bytes) = (counted.lines + lines, bytes);
-            new += lines;
+            counted.lines += found.lines;
+            counted.bytes = found.end;
+            new += found.lines;
         }
         Ok(new)
     }

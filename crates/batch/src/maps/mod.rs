@@ -166,7 +166,7 @@ pub fn map_batches(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs, reason: error.to_string() })?;
     let sources: Vec<&MapSource> = [Some(batch), minus].into_iter().flatten().collect();
-    let (groups, unpaired) = selection::groups(&sources)?;
+    let selection::RunGroups { groups, unpaired } = selection::groups(&sources)?;
     let mut sums: Option<Sums> = None;
     let mut not_run = 0;
     for round in groups.chunks(RUNS_PER_ROUND * jobs) {

@@ -148,11 +148,17 @@ fn varying(batch: &FinishedBatch, variants: &[usize]) -> Vec<String> {
     differing.map(|(_, name)| name).collect()
 }
 
-/// Groups runs of equal seeds, one of each source, in the order of the first; also returns the number of seeds without
-/// a partner.
-pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<(Vec<Vec<PlannedRun<'a>>>, u64), MapsError> {
+/// Runs of equal seeds, one of each source.
+pub struct RunGroups<'a> {
+    pub groups: Vec<Vec<PlannedRun<'a>>>,
+    /// The number of seeds without a partner.
+    pub unpaired: u64,
+}
+
+/// Groups runs of equal seeds in the order of the first source.
+pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<RunGroups<'a>, MapsError> {
     let [first, second] = sources else {
-        return Ok((sources[0].runs().map(|run| vec![run]).collect(), 0));
+        return Ok(RunGroups { groups: sources[0].runs().map(|run| vec![run]).collect(), unpaired: 0 });
     };
     let mut partners: Vec<PlannedRun<'a>> = second.runs().collect();
     partners.sort_by_key(|run| run.seed);
@@ -168,5 +174,5 @@ pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<(Vec<Vec<PlannedRun<'a>>>
         return Err(MapsError::NoPairs { first, second });
     }
     let unpaired = first.count() + second.count() - 2 * pairs.len() as u64;
-    Ok((pairs, unpaired))
+    Ok(RunGroups { groups: pairs, unpaired })
 }

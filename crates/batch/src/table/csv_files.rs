@@ -53,8 +53,7 @@ fn lines_of(rows: &[RecordedRow]) -> [Vec<u8>; 2] {
     let mut lines = [CsvLines::default(), CsvLines::default()];
     let [runs, agents] = &mut lines;
     for recorded in rows {
-        let (label, rest) = recorded.values();
-        label.chain(rest).for_each(|value| runs.add_field(value));
+        recorded.values().for_each(|value| runs.add_field(value));
         runs.end();
         for agent in AgentRow::from_run(&recorded.row) {
             AGENT_COLUMNS.iter().for_each(|column| agents.add_field(&(column.value)(&agent)));

@@ -26,10 +26,14 @@ impl RecordedRow {
         Self { record: RunRecord::from_row(&row), row }
     }
 
-    /// Returns the values that identify the run, with those of swept keys, and all others.
-    pub fn values(&self) -> (impl Iterator<Item = &Value> + Clone, &[Value]) {
-        let (label, rest) = self.record.values().split_at(COLUMNS_BEFORE_SWEPT);
-        (label.iter().chain(&self.row.label.swept), rest)
+    /// Returns the values that identify the run, with those of swept keys.
+    pub fn label_values(&self) -> impl Iterator<Item = &Value> + Clone {
+        self.record.values()[..COLUMNS_BEFORE_SWEPT].iter().chain(&self.row.label.swept)
+    }
+
+    /// Returns all values, those that identify the run first.
+    pub fn values(&self) -> impl Iterator<Item = &Value> {
+        self.label_values().chain(&self.record.values()[COLUMNS_BEFORE_SWEPT..])
     }
 }
 

@@ -347,7 +347,7 @@ fn pairs(contenders: &[RankInput], runs: &[(u64, usize)], by: Option<String>, me
             stratum,
             numbers: [ours, theirs],
         });
-        Contrast::from_numbers(metric, pairs.collect(), by.clone()).expect("every entry has runs").0
+        Contrast::from_numbers(metric, pairs.collect(), by.clone()).expect("every entry has runs").contrast
     });
     let contrasts: Vec<Contrast> = contrasts.collect();
     let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));

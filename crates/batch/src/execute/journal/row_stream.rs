@@ -177,13 +177,19 @@ fn in_memory(place: u64) -> usize {
     usize::try_from(place).expect("the runs of a slice are counted in memory")
 }
 
-/// Counts the complete lines of a journal from a byte on, and returns the first byte behind them too: a very cheap look
-/// at its progress. Contents of lines are not read.
-pub fn count_lines(path: &Path, from: u64) -> Result<(u64, u64), JournalError> {
+/// Complete lines of a journal, and the first byte behind them.
+pub struct LineCount {
+    pub lines: u64,
+    pub end: u64,
+}
+
+/// Counts the complete lines of a journal from a byte on: a very cheap look at its progress. Contents of lines are not
+/// read.
+pub fn count_lines(path: &Path, from: u64) -> Result<LineCount, JournalError> {
     count_lines_from(path, from).map_err(|source| JournalError::unreadable(path, source))
 }
 
-fn count_lines_from(path: &Path, from: u64) -> io::Result<(u64, u64)> {
+fn count_lines_from(path: &Path, from: u64) -> io::Result<LineCount> {
     let mut file = File::open(path)?;
     file.seek(SeekFrom::Start(from))?;
     let mut reader = BufReader::with_capacity(1 << 18, file);
@@ -191,7 +197,7 @@ fn count_lines_from(path: &Path, from: u64) -> io::Result<(u64, u64)> {
     loop {
         let part = reader.fill_buf()?;
         if part.is_empty() {
-            return Ok((lines, end));
+            return Ok(LineCount { lines, end });
         }
         for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
             lines += 1;

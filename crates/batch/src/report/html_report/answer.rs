@@ -116,8 +116,7 @@ fn compared(compared: &Compared) -> String {
         several if by.contains(' ') => format!(", averaged over {several} combinations of {by}"),
         several => format!(", averaged over {several} values of {by}"),
     };
-    let (unit, factor) = quantity.unit_and_factor();
-    let amount = amount(best_mean, unit, factor);
+    let amount = amount(best_mean, quantity.unit_in_text(), quantity.factor_in_text());
     if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_significant(other)) {
         let all = if others.len() > 1 { format!("all {count} {kind}") } else { format!("both {kind}") };
         let [verb, of_what] = aim.equal;

@@ -157,7 +157,7 @@ impl Compared {
 
     /// Returns the factor of a difference in the words of [`Self::than`].
     pub fn scale(&self) -> f64 {
-        if self.is_in_bushes { 1.0 } else { self.quantity.unit_and_factor().1 }
+        if self.is_in_bushes { 1.0 } else { self.quantity.factor_in_text() }
     }
 
     /// Returns by how much the best is better than another.

@@ -160,9 +160,14 @@ impl Metric {
         if self.is_share_of_bushes() { SHARE_OF_OBSTACLES } else { self.about.unit.axis() }
     }
 
-    /// Returns the unit in sentences, and the factor of numbers in them.
-    pub fn unit_and_factor(&self) -> (&'static str, f64) {
-        if self.range() == (0.0, 1.0) { ("%", 100.0) } else { (self.unit(), 1.0) }
+    /// Returns the unit in sentences.
+    pub fn unit_in_text(&self) -> &'static str {
+        if self.range() == (0.0, 1.0) { "%" } else { self.unit() }
+    }
+
+    /// Returns the factor of numbers in sentences.
+    pub fn factor_in_text(&self) -> f64 {
+        if self.range() == (0.0, 1.0) { 100.0 } else { 1.0 }
     }
 
     /// Returns the unit of the axis; empty if there is none.

@@ -51,22 +51,19 @@ impl ParquetFiles {
     /// Adds runs with their planner calls and states.
     pub fn add(&mut self, rows: &[RecordedRow]) -> Result<(), BatchError> {
         let Self { runs, calls, states } = self;
-        let add_runs = || {
-            rows.iter().try_for_each(|recorded| {
-                let (label, rest) = recorded.values();
-                runs.add(label.chain(rest))
-            })
-        };
+        let add_runs = || rows.iter().try_for_each(|recorded| runs.add(recorded.values()));
         let add_calls = || {
             rows.iter().try_for_each(|recorded| {
                 let made = &recorded.row.detail.calls;
-                calls.add_alike(recorded.values().0, made.len(), |row, column| (CALL_COLUMNS[column].value)(&made[row]))
+                calls.add_alike(recorded.label_values(), made.len(), |row, column| {
+                    (CALL_COLUMNS[column].value)(&made[row])
+                })
             })
         };
         let add_states = || {
             rows.iter().try_for_each(|recorded| {
                 let counted = &recorded.row.detail.states;
-                states.add_alike(recorded.values().0, counted.len(), |row, column| {
+                states.add_alike(recorded.label_values(), counted.len(), |row, column| {
                     (STATE_COLUMNS[column].value)(&counted[row])
                 })
             })
