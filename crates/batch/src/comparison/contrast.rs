@@ -115,7 +115,7 @@ pub struct UntestedContrast {
 
 impl Contrast {
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
-    pub fn new(
+    pub fn between(
         metric: &Metric,
         first: &Side<'_>,
         second: &Side<'_>,

@@ -186,7 +186,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         for metric in &metrics {
             let columns: Vec<usize> = (first_column..first_column + metric.fields().len()).collect();
             first_column += columns.len();
-            match Contrast::new(metric, a, other, &pairs, &columns) {
+            match Contrast::between(metric, a, other, &pairs, &columns) {
                 Some(contrast) => contrasts.push(contrast),
                 None => missing.push((other.letter, metric.name.to_string())),
             }
