@@ -17,8 +17,9 @@ use serde_json::{Value, json};
 
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose, ops};
+use wildfire::planning::kit::ends::free_poses;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{Goal, GoalDisc, Planners, TruckPlanner, TruckPlannerKind, free_poses};
+use wildfire::planning::{Goal, GoalDisc, Planners, TruckPlanner, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::{self, Programs, Scenario, Terrain, TruckPlannerContext};
 use wildfire::time::cpu::CpuStopwatch;

@@ -10,9 +10,10 @@ use rand::seq::SliceRandom;
 
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
+use wildfire::planning::kit::ends::free_poses;
 use wildfire::planning::memory::MemoryMeter;
 use wildfire::planning::{
-    Goal, GoalDisc, NullObserver, Plan, Planners, TruckPlanner, TruckPlannerKind, free_poses, plan_to_nearest,
+    Goal, GoalDisc, NullObserver, Plan, Planners, TruckPlanner, TruckPlannerKind, plan_to_nearest,
 };
 use wildfire::rng;
 use wildfire::scenario::{self, Programs, Terrain, TruckPlannerContext};

@@ -14,9 +14,10 @@ use rand::seq::IndexedRandom;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, Pose};
 use wildfire::planning::memory::MemoryMeter;
+use wildfire::planning::planners::prm_primitives::PrmPrimitives;
 use wildfire::planning::reachability::Reachability;
 use wildfire::planning::{
-    BuildReport, GoalDisc, Plan, PlanFailure, PlannerContext, PrmPrimitives, QueryMonitor, QueryTime, TruckPlanner,
+    BuildReport, GoalDisc, Plan, PlanFailure, PlannerContext, QueryMonitor, QueryTime, TruckPlanner,
 };
 use wildfire::rng;
 use wildfire::scenario::{Scenario, Terrain, Unimog};

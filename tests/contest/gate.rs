@@ -8,10 +8,9 @@ use wildfire::audit::{AuditField, MotionLimits, Outline, SampleStep, audit_leg};
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{Pose, ops};
 use wildfire::planning::judge::{BadPath, Judge};
+use wildfire::planning::kit::ends::free_poses;
 use wildfire::planning::memory::MemoryMeter;
-use wildfire::planning::{
-    Goal, GoalDisc, MakeError, PlannerContext, Planners, TruckPlanner, TruckPlannerKind, free_poses,
-};
+use wildfire::planning::{Goal, GoalDisc, MakeError, PlannerContext, Planners, TruckPlanner, TruckPlannerKind};
 use wildfire::rng;
 use wildfire::scenario::{self, Problem, Programs, Terrain, TruckPlannerContext, Unimog};
 use wildfire::sim;

@@ -365,7 +365,7 @@ fn calls_of_the_checker_are_charged_where_no_expansions_are_reported() {
     let charged = driven_by("own", "arena", &["duration_s=600"]);
     let planners_that_report = |reports: bool| {
         planners("own", move |site: &PlannerContext<'_>| {
-            let mut inner = wildfire::planning::HybridAstar::build(site);
+            let mut inner = wildfire::planning::planners::hybrid_astar::HybridAstar::build(site);
             move |start, goal| {
                 let plan = TruckPlanner::plan(&mut inner, start, goal);
                 Plan { effort: if reports { plan.effort } else { Effort::default() }, ..plan }

@@ -2,7 +2,7 @@
 //! longer ways.
 
 use wildfire::collision::ClearanceField;
-use wildfire::planning::{SafetyMap, SafetySettings};
+use wildfire::planning::kit::safety::{SafetyMap, SafetySettings};
 use wildfire::scenario::{self, Scenario, Terrain};
 use wildfire::sim;
 use wildfire::time::SimTime;

@@ -542,9 +542,9 @@ mod tests {
     fn drawn_poses_are_free_and_a_full_field_has_none() {
         let mut rng = rng::stream(1, "planning/judge");
         let field = TestField::random(3, 40);
-        let poses: Vec<Pose> = super::super::free_poses(&field.checker, 0.5, &mut rng).take(50).collect();
+        let poses: Vec<Pose> = crate::kit::ends::free_poses(&field.checker, 0.5, &mut rng).take(50).collect();
         assert!(poses.len() == 50 && poses.iter().all(|&pose| field.checker.pose_is_free(pose, 0.5)));
         let full = TestField::drawn(&["####", "####", "####"], START);
-        assert_eq!(super::super::free_poses(&full.checker, 0.5, &mut rng).next(), None);
+        assert_eq!(crate::kit::ends::free_poses(&full.checker, 0.5, &mut rng).next(), None);
     }
 }

@@ -11,7 +11,7 @@
 //! The [`registry`] lists them by name, together with custom planners; the [`gate`] around these rejects any path that the
 //! truck could not drive, as decided by the [`judge`]. [`reachability`] decides whether the truck can reach a place at all,
 //! `smooth_steering` adapts the paths of built-in planners to wheels that turn at a limited rate, [`memory`] counts memory
-//! that grows during a run, and [`find_yield_pose`], [`replan_around`] and [`plan_among`] are for trucks that meet.
+//! that grows during a run, and [`traffic`] is for trucks that meet.
 //!
 //! # The sequence of fallbacks
 //! A planner that finds no path relaxes its demands before it gives up, and a truck whose planner gives up has further
@@ -56,7 +56,7 @@
 //!    flood's own path, which is sure to be free.
 //!
 //! A goal that the flood does not reach is given up for the run. The first four are set here, the last three by the
-//! simulation. Avoiding other trucks ([`replan_around`], [`plan_among`], [`find_yield_pose`]) changes a path, but not the name of the stage
+//! simulation. Avoiding other trucks ([`traffic`]) changes a path, but not the name of the stage
 //! that found it.
 
 pub mod certificate;
@@ -78,26 +78,15 @@ pub mod smooth_steering;
 #[cfg(test)]
 mod test_fields;
 pub mod together;
-mod traffic;
+pub mod traffic;
 pub mod walk;
 
 pub use judge::lower_bound_m;
-pub use kit::drive_cost::DriveCost;
-pub use kit::ends::free_poses;
-pub use kit::floods::flood_bytes;
-pub use kit::local_search::{MotionCost, PrimitiveSettings};
-pub use kit::safety::{Safety, SafetyForm, SafetyMap, SafetySettings};
 pub use nearest_by_drive::plan_to_nearest;
 pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryTime};
-pub use planners::hybrid_astar::{HybridAstar, HybridSettings};
-pub use planners::lattice::{LatticePlanner, LatticeSettings};
-pub use planners::prm_primitives::{ClearanceTo, PrmPrimitives, PrmSettings, RoadmapGoal, RoadmapSearch};
-pub use planners::prm_rs::{PrmRs, PrmRsSettings};
 pub use registry::{
     MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
 };
-pub use search_recorder::{SearchRecorder, Searched};
-pub use traffic::{BlockedLeg, PredictedMotions, find_yield_pose, plan_among, replan_around};
 pub use wildfire_base::query::{
     END_M, END_RAD, Effort, FoundBy, Goal, GoalDisc, MAX_SEARCH_EDGES, PlanFailure, SearchGraph, SearchPhase,
 };

@@ -12,10 +12,11 @@ use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::{Dimensions, Path, ReedsShepp};
 use wildfire_grid::Grid;
 
+use super::kit::drive_cost::DriveCost;
 use super::memory::MemoryMeter;
 use super::reachability::Reachability;
 use super::registry::{OwnedSettings, PlannerContext};
-use super::{DriveCost, Goal, GoalDisc, TruckPlanner};
+use super::{Goal, GoalDisc, TruckPlanner};
 
 /// A field of 30 x 30 cells with walks of four cells about it, the truck on it, and places to drive to.
 pub struct TestField {

@@ -73,10 +73,13 @@ use wildfire_base::geometry::DVec2;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::ranges::{SettingsTable, number_text};
-pub use wildfire_planning::{
-    ClearanceTo, HybridSettings, LatticeSettings, MotionCost, PlannerName, PrimitiveSettings, PrmRsSettings,
-    PrmSettings, RoadmapGoal, RoadmapSearch, SafetyForm, SafetyMap, SafetySettings, TruckPlannerKind,
-};
+pub use wildfire_planning::kit::local_search::{MotionCost, PrimitiveSettings};
+pub use wildfire_planning::kit::safety::{SafetyForm, SafetyMap, SafetySettings};
+pub use wildfire_planning::planners::hybrid_astar::HybridSettings;
+pub use wildfire_planning::planners::lattice::LatticeSettings;
+pub use wildfire_planning::planners::prm_primitives::{ClearanceTo, PrmSettings, RoadmapGoal, RoadmapSearch};
+pub use wildfire_planning::planners::prm_rs::PrmRsSettings;
+pub use wildfire_planning::{PlannerName, TruckPlannerKind};
 
 /// The most agents of a kind.
 const MAX_AGENTS: usize = 1000;

@@ -13,9 +13,10 @@ use thiserror::Error;
 use crate::keys::agents::{AgentList, AgentsMemory, FieldMeasures, MemoryPart};
 use crate::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Unimog};
 use wildfire_planning::collision::ClearanceField;
+use wildfire_planning::kit::floods::flood_bytes;
+use wildfire_planning::kit::safety::SafetyMap;
 use wildfire_planning::memory::{MemoryKind, MemoryMeter};
 use wildfire_planning::registry::{RoadmapSize, TruckPlannerSettings};
-use wildfire_planning::{SafetyMap, flood_bytes};
 
 /// Bytes that the program takes before it runs anything, and that small things take in every run.
 const PROGRAM_BYTES: u64 = 24_000_000;

@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Trajectory;
 use wildfire_planning::collision::{MovingBody, first_conflict};
-use wildfire_planning::find_yield_pose;
+use wildfire_planning::traffic::find_yield_pose;
 use wildfire_timeline::AgentId;
 
 use super::queue::{AgentEvent, Wake};

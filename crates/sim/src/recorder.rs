@@ -5,8 +5,9 @@ use std::time::Duration;
 use bevy_ecs::prelude::*;
 
 use wildfire_base::time::SimTime;
+use wildfire_planning::PlanFailure;
 use wildfire_planning::memory::{CapacityBytes, MemoryKind, MemoryMeter, MemoryShare};
-use wildfire_planning::{PlanFailure, Searched};
+use wildfire_planning::search_recorder::Searched;
 use wildfire_timeline::{AgentFact, AgentId, CpuSample, Event, Fact, FireFact, GroundEvent};
 
 use super::run::FailureMessages;

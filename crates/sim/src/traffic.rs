@@ -4,8 +4,8 @@
 //! come nearer than [`MARGIN_M`], so a truck that keeps to its own is safe whatever the others do. Only three things
 //! change a reservation, and each keeps the rule:
 //! - a truck sets out when its way is free ([`Traffic::departure`]); or it takes another goal, drives
-//!   [round](wildfire_planning::replan_around) those that stand in the way or, with `traffic.plan = "together"`,
-//!   [among](wildfire_planning::plan_among) the motions of all, or waits until something of the others changes;
+//!   [round](wildfire_planning::traffic::replan_around) those that stand in the way or, with `traffic.plan = "together"`,
+//!   [among](wildfire_planning::traffic::plan_among) the motions of all, or waits until something of the others changes;
 //! - a truck that drops its goal drives on to where it may stand for good ([`Traffic::stopping`]);
 //! - a truck that has nothing to do, or is blocked itself, gives way to one that could not set out otherwise
 //!   ([`deadlock`](super::deadlock)).
@@ -18,8 +18,8 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
 use wildfire_base::vehicle::Dimensions;
 use wildfire_base::vehicle::Segment;
-use wildfire_planning::PredictedMotions;
 use wildfire_planning::collision::{CollisionChecker, MIN_CLEARANCE_M, MovingBody, first_conflict, gap_between};
+use wildfire_planning::traffic::PredictedMotions;
 use wildfire_timeline::AgentId;
 
 pub use wildfire_scenario::TRUCK_MARGIN_M as MARGIN_M;

@@ -11,8 +11,8 @@ use glam::DVec2;
 
 use crate::shared::Shared;
 use wildfire_base::geometry::{Cell, FieldFrame};
+use wildfire_planning::kit::safety::{Safety, SafetySettings};
 use wildfire_planning::walk::{LatticeShape, WalkCosts, WalkLattice, WalkMethod, WalkPlanner};
-use wildfire_planning::{Safety, SafetySettings};
 use wildfire_scenario::{self as scenario, StepCost, Terrain};
 
 /// The planners of a run, each for all Wumpuses of equal rules. They keep what they learn from query to query.

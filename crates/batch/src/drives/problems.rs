@@ -8,7 +8,8 @@ use rand::seq::SliceRandom;
 use crate::drives::error::DriveError;
 use wildfire_base::rng;
 use wildfire_planning::collision::{ClearanceField, CollisionChecker};
-use wildfire_planning::{Goal, GoalDisc, free_poses};
+use wildfire_planning::kit::ends::free_poses;
+use wildfire_planning::{Goal, GoalDisc};
 use wildfire_scenario::{MAX_GOALS, Problem, Scenario, Unimog};
 
 /// Goal poses on a scenario's field, unless a number is given.

@@ -27,11 +27,17 @@ use wildfire_base::rng;
 use wildfire_base::trajectory::{GroundSpeed, SpeedLimits};
 use wildfire_base::vehicle::Dimensions;
 use wildfire_planning::collision::CollisionChecker;
+use wildfire_planning::kit::drive_cost::DriveCost;
+use wildfire_planning::kit::local_search::PrimitiveSettings;
+use wildfire_planning::kit::safety::SafetySettings;
 use wildfire_planning::memory::MemoryMeter;
+use wildfire_planning::planners::hybrid_astar::HybridSettings;
+use wildfire_planning::planners::lattice::LatticeSettings;
+use wildfire_planning::planners::prm_primitives::{PrmSettings, RoadmapGoal};
+use wildfire_planning::planners::prm_rs::PrmRsSettings;
 use wildfire_planning::registry::{BuiltInPlanner, Charge, RoadmapSize};
 use wildfire_planning::{
-    BuildReport, DriveCost, HybridSettings, LatticeSettings, MakeError, PlannerContext, PlannerName, Planners,
-    PrimitiveSettings, PrmRsSettings, PrmSettings, RoadmapGoal, SafetySettings, TruckPlanner, TruckPlannerKind,
+    BuildReport, MakeError, PlannerContext, PlannerName, Planners, TruckPlanner, TruckPlannerKind,
     TruckPlannerSettings, is_hardly_connected,
 };
 

@@ -16,8 +16,8 @@ use wildfire_base::or_none;
 use wildfire_base::ranges;
 use wildfire_base::ranges::number_text;
 use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance};
+use wildfire_planning::kit::safety::{SafetyMap, SafetySettings};
 use wildfire_planning::walk::{CostToGoEstimate, LatticeShape, PotentialSettings, WalkLattice, WalkMethod};
-use wildfire_planning::{SafetyMap, SafetySettings};
 
 /// The most points of a Wumpus's lattice: their numbers have to fit into 32 bits. Memory allows far fewer.
 const MAX_LATTICE_POINTS: f64 = 4e9;

@@ -9,10 +9,8 @@ use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::trajectory::Trajectory;
 use wildfire_base::vehicle::Path;
-use wildfire_planning::{
-    BlockedLeg, CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_among, plan_to_nearest,
-    replan_around,
-};
+use wildfire_planning::traffic::{BlockedLeg, plan_among, replan_around};
+use wildfire_planning::{CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_to_nearest};
 use wildfire_scenario::TrafficPlan;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.

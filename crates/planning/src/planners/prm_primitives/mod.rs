@@ -213,12 +213,12 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::PrimitiveSettings;
-    use crate::SafetySettings;
     use crate::kit::ends::has_free_pose;
     use crate::kit::floods::{FloodQuery, FloodSearch};
     use crate::kit::local_search::MotionCost;
+    use crate::kit::local_search::PrimitiveSettings;
     use crate::kit::safety::SafetyMap;
+    use crate::kit::safety::SafetySettings;
     use crate::memory::MemoryMeter;
     use crate::planners::prm_primitives::{ClearanceTo, RoadmapSearch};
     use crate::registry::OwnedSettings;
