@@ -729,14 +729,15 @@ fn alike(frame: FieldFrame, fuel: &[Option<u8>], reach: i32) -> Vec<bool> {
         is_inside && fuel[index - reach..=index + reach].iter().all(|near| *near == fuel[index])
     };
     let in_row: Vec<bool> = (0..fuel.len()).map(is_row).collect();
-    let is_all = |index: usize| {
-        let row = index / cols;
-        let is_inside = row >= reach && row + reach < rows;
-        is_inside
-            && (row - reach..=row + reach).all(|near| {
-                let near = near * cols + index % cols;
-                in_row[near] && fuel[near] == fuel[index]
-            })
-    };
-    (0..fuel.len()).map(is_all).collect()
+    (0..fuel.len())
+        .map(|index: usize| {
+            let row = index / cols;
+            let is_inside = row >= reach && row + reach < rows;
+            is_inside
+                && (row - reach..=row + reach).all(|near| {
+                    let near = near * cols + index % cols;
+                    in_row[near] && fuel[near] == fuel[index]
+                })
+        })
+        .collect()
 }

@@ -115,10 +115,13 @@ impl Attack {
 
     /// Production per minute of a flank; resources work to the end of the minute of their departure.
     fn production(&self, time_min: f64) -> f64 {
-        let is_there = |resource: &&Resource| {
-            (resource.arrival_min..=resource.arrival_min + resource.duration_min).contains(&time_min)
-        };
-        self.resources.iter().filter(is_there).map(|resource| resource.production_ch_h / 120.0).sum()
+        self.resources
+            .iter()
+            .filter(|resource: &&Resource| {
+                (resource.arrival_min..=resource.arrival_min + resource.duration_min).contains(&time_min)
+            })
+            .map(|resource| resource.production_ch_h / 120.0)
+            .sum()
     }
 
     fn run_with(&self, step_min: f64) -> (Outcome, u32) {

@@ -124,21 +124,22 @@ impl Embers {
         let chance = Chance::new(self.seed, "embers");
         let along = wind / speed;
         let across = DVec2::new(-along.y, along.x);
-        let landing = |ember: u32| {
-            let draw = |what: u32| chance.uniform(cell, episode, DRAWS * ember + what);
-            let distance_m = ops::exp(typical + spread.sqrt() * normal(draw(DISTANCE)));
-            let aside_m = cross_sd_m * normal(draw(ACROSS));
-            let lands_on = frame.cell_at(frame.centre(cell) + along * distance_m + across * aside_m)?;
-            let seconds = distance_m / speed;
-            if seconds > MAX_SECONDS {
-                return None;
-            }
-            let lands = time + SimTime::from_seconds(seconds);
-            let ignites = draw(IGNITION) < self.ignition_probability(lands_on, lands, landscape, weather);
-            let ignites = ignites.then(|| lands + SimTime::from_seconds(delay_s));
-            Some(Landing { cell: lands_on, time: lands, ignites })
-        };
-        (0..count).filter_map(landing).collect()
+        (0..count)
+            .filter_map(|ember: u32| {
+                let draw = |what: u32| chance.uniform(cell, episode, DRAWS * ember + what);
+                let distance_m = ops::exp(typical + spread.sqrt() * normal(draw(DISTANCE)));
+                let aside_m = cross_sd_m * normal(draw(ACROSS));
+                let lands_on = frame.cell_at(frame.centre(cell) + along * distance_m + across * aside_m)?;
+                let seconds = distance_m / speed;
+                if seconds > MAX_SECONDS {
+                    return None;
+                }
+                let lands = time + SimTime::from_seconds(seconds);
+                let ignites = draw(IGNITION) < self.ignition_probability(lands_on, lands, landscape, weather);
+                let ignites = ignites.then(|| lands + SimTime::from_seconds(delay_s));
+                Some(Landing { cell: lands_on, time: lands, ignites })
+            })
+            .collect()
     }
 
     fn ignition_probability(&self, cell: Cell, time: SimTime, landscape: &Landscape, weather: &Weather) -> f64 {

@@ -105,17 +105,19 @@ fn join(pieces: &[(SquareSide, SquareSide)]) -> Vec<Vec<SquareSide>> {
 }
 
 fn sides_at(values: &Grid<f64>, sides: &[SquareSide], level: f64) -> Vec<(f64, f64)> {
-    let at = |&side: &SquareSide| {
-        let row = side / 2 / values.cols();
-        let col = side / 2 % values.cols();
-        let goes_up = side % 2 == 1;
-        let from = values[(row, col)];
-        let to = if goes_up { values[(row + 1, col)] } else { values[(row, col + 1)] };
-        let share = (level - from) / (to - from);
-        let (col, row) = (col as f64, row as f64);
-        if goes_up { (col, row + share) } else { (col + share, row) }
-    };
-    sides.iter().map(at).collect()
+    sides
+        .iter()
+        .map(|&side: &SquareSide| {
+            let row = side / 2 / values.cols();
+            let col = side / 2 % values.cols();
+            let goes_up = side % 2 == 1;
+            let from = values[(row, col)];
+            let to = if goes_up { values[(row + 1, col)] } else { values[(row, col + 1)] };
+            let share = (level - from) / (to - from);
+            let (col, row) = (col as f64, row as f64);
+            if goes_up { (col, row + share) } else { (col + share, row) }
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -52,12 +52,13 @@ fn draw_star(canvas: &mut Canvas, at: Point, radius: f32) {
 
 /// Five points; the inner corners of a pentagram lie at 0.382 of the radius, fuller ones read better when small.
 fn star((x, y): Point, radius: f32) -> Vec<Point> {
-    let corner = |index: u8| {
-        let (sin, cos) = ops::sin_cos(f64::from(index) * std::f64::consts::PI / 5.0);
-        let length = if index.is_multiple_of(2) { radius } else { 0.5 * radius };
-        (x + length * to_f32(sin), y - length * to_f32(cos))
-    };
-    (0..10).map(corner).collect()
+    (0..10)
+        .map(|index: u8| {
+            let (sin, cos) = ops::sin_cos(f64::from(index) * std::f64::consts::PI / 5.0);
+            let length = if index.is_multiple_of(2) { radius } else { 0.5 * radius };
+            (x + length * to_f32(sin), y - length * to_f32(cos))
+        })
+        .collect()
 }
 
 fn draw_cross(canvas: &mut Canvas, (x, y): Point, radius: f32) {
@@ -79,11 +80,13 @@ pub fn draw_path(canvas: &mut Canvas, points: &[Point], width: f32) {
 /// The corners of a path: cells where it begins, turns or ends.
 pub fn corners(path: &[Place]) -> Vec<Place> {
     let step = |from: Place, to: Place| (to.0.wrapping_sub(from.0), to.1.wrapping_sub(from.1));
-    let is_corner = |&index: &usize| {
-        let inner = index > 0 && index + 1 < path.len();
-        !inner || step(path[index - 1], path[index]) != step(path[index], path[index + 1])
-    };
-    (0..path.len()).filter(is_corner).map(|index| path[index]).collect()
+    (0..path.len())
+        .filter(|&index: &usize| {
+            let inner = index > 0 && index + 1 < path.len();
+            !inner || step(path[index - 1], path[index]) != step(path[index], path[index + 1])
+        })
+        .map(|index| path[index])
+        .collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "pixels are drawn in single precision")]

@@ -153,17 +153,18 @@ impl<'a> TruckLimits<'a> {
         };
         let places: Vec<DVec2> = acts.iter().map(|&(bush, _)| place(bush)).collect();
         let is_small = acts.len() <= MAX_CHAINED;
-        let job = |number: usize| {
-            let (bush, ignited) = acts[number];
-            // What is lit later spreads later, so only those before matter; of too many it is taken for granted that they do.
-            let before = (0..number).map(|other| arrives_s(places[other], acts[other].1, places[number]));
-            let first_s = if is_small { before.fold(f64::INFINITY, f64::min) } else { f64::NEG_INFINITY };
-            let burns_from_s = if first_s <= ignited.as_seconds() + TOLERANCE_S { first_s } else { f64::INFINITY };
-            let place = places[number];
-            let arrival_s = self.first_arrival_s(places[number]);
-            Job { bush, place, ignited, burns_from_s, due_s: self.due_s(ignited), arrival_s }
-        };
-        (0..acts.len()).map(job).collect()
+        (0..acts.len())
+            .map(|number: usize| {
+                let (bush, ignited) = acts[number];
+                // What is lit later spreads later, so only those before matter; of too many it is taken for granted that they do.
+                let before = (0..number).map(|other| arrives_s(places[other], acts[other].1, places[number]));
+                let first_s = if is_small { before.fold(f64::INFINITY, f64::min) } else { f64::NEG_INFINITY };
+                let burns_from_s = if first_s <= ignited.as_seconds() + TOLERANCE_S { first_s } else { f64::INFINITY };
+                let place = places[number];
+                let arrival_s = self.first_arrival_s(places[number]);
+                Job { bush, place, ignited, burns_from_s, due_s: self.due_s(ignited), arrival_s }
+            })
+            .collect()
     }
 
     /// When a fire is beyond saving that began at this time, or before.

@@ -228,19 +228,21 @@ impl LiveRun {
     fn state(&self) -> Value {
         let setting = self.simulation.setting();
         let queried = self.simulation.observe(|seen, queried| {
-            let describe = |&agent: &AgentId| {
-                let options = seen.options(agent);
-                let view = seen.agents.iter().find(|view| view.id == agent).expect("all agents are seen");
-                json!({
-                    "agent": agent.to_string(),
-                    "side": agent.role.name(),
-                    "number": agent.number,
-                    "place": view.place.to_array(),
-                    "goal": view.goal.map(|goal| setting.frame.index(goal)),
-                    "options": options.iter().map(|cell| setting.frame.index(*cell)).collect::<Vec<_>>(),
+            queried
+                .iter()
+                .map(|&agent: &AgentId| {
+                    let options = seen.options(agent);
+                    let view = seen.agents.iter().find(|view| view.id == agent).expect("all agents are seen");
+                    json!({
+                        "agent": agent.to_string(),
+                        "side": agent.role.name(),
+                        "number": agent.number,
+                        "place": view.place.to_array(),
+                        "goal": view.goal.map(|goal| setting.frame.index(goal)),
+                        "options": options.iter().map(|cell| setting.frame.index(*cell)).collect::<Vec<_>>(),
+                    })
                 })
-            };
-            queried.iter().map(describe).collect::<Vec<_>>()
+                .collect::<Vec<_>>()
         });
         json!({
             "now_ns": self.simulation.now().as_nanos(),

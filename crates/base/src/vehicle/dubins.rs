@@ -51,11 +51,13 @@ impl Dubins {
     /// When a number of the poses is not finite, or too large to be squared.
     pub fn shortest(&self, from: Pose, to: Pose) -> Curve {
         let circles = Circles::new(&Chord::between(from, to, self.radius_m));
-        let shorter = |best: Option<Curve>, word| {
-            let bound = best.map_or(f64::INFINITY, |curve| curve.length_m / self.radius_m);
-            self.solve(&circles, word, bound).or(best)
-        };
-        Word::ALL.into_iter().fold(None, shorter).expect("LSL leads anywhere")
+        Word::ALL
+            .into_iter()
+            .fold(None, |best: Option<Curve>, word| {
+                let bound = best.map_or(f64::INFINITY, |curve| curve.length_m / self.radius_m);
+                self.solve(&circles, word, bound).or(best)
+            })
+            .expect("LSL leads anywhere")
     }
 
     /// The curves of all words that exist, in the order of [`Word::ALL`].

@@ -330,11 +330,12 @@ fn distance_to(corners: &[DVec2; 4], point: DVec2) -> f64 {
     if signed_sides(corners, point).all(|gap_m| gap_m <= 0.0) {
         return 0.0;
     }
-    let to_side = |side: usize| {
-        let from = corners[side];
-        let to = corners[(side + 1) % 4];
-        let share = ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
-        (from + (to - from) * share - point).length()
-    };
-    (0..4).map(to_side).fold(f64::INFINITY, f64::min)
+    (0..4)
+        .map(|side: usize| {
+            let from = corners[side];
+            let to = corners[(side + 1) % 4];
+            let share = ((point - from).dot(to - from) / (to - from).length_squared()).clamp(0.0, 1.0);
+            (from + (to - from) * share - point).length()
+        })
+        .fold(f64::INFINITY, f64::min)
 }

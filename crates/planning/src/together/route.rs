@@ -188,10 +188,9 @@ pub fn drives(
 
 /// Adds a drive to those of a vehicle; the longest of too many goes.
 pub fn keep(drives: &mut Vec<StaticDrive>, drive: StaticDrive) {
-    let is_duplicate = |existing: &StaticDrive| {
+    if drives.iter().any(|existing: &StaticDrive| {
         existing.motions.len() == drive.motions.len() && (existing.length_m - drive.length_m).abs() < 1e-9
-    };
-    if drives.iter().any(is_duplicate) {
+    }) {
         return;
     }
     let place = drives.partition_point(|existing| existing.length_m <= drive.length_m);

@@ -275,15 +275,17 @@ impl From<&WeatherInterval> for IntervalRecord {
 
 fn weather_of(records: &[IntervalRecord]) -> Result<Weather, FileError> {
     limit("intervals of weather", records.len(), MAX_WEATHER)?;
-    let interval = |record: &IntervalRecord| {
-        let [d1, d10, d100, herb, woody] = record.moistures;
-        WeatherInterval {
-            from: SimTime::from_nanos(record.from_ns),
-            wind_mps: DVec2::from_array(record.wind_mps),
-            moisture: FuelMoisture { d1, d10, d100, herb, woody },
-        }
-    };
-    let intervals = records.iter().map(interval).collect();
+    let intervals = records
+        .iter()
+        .map(|record: &IntervalRecord| {
+            let [d1, d10, d100, herb, woody] = record.moistures;
+            WeatherInterval {
+                from: SimTime::from_nanos(record.from_ns),
+                wind_mps: DVec2::from_array(record.wind_mps),
+                moisture: FuelMoisture { d1, d10, d100, herb, woody },
+            }
+        })
+        .collect();
     Weather::new(intervals).map_err(|error| FileError::Impossible(error.to_string()))
 }
 

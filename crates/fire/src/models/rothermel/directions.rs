@@ -85,13 +85,14 @@ impl DirectionSet {
         let reach = self.exact_reach();
         let offsets = (-reach..=reach).flat_map(|row| (-reach..=reach).map(move |col| (col, row)));
         let cross = |one: (i32, i32), other: (i32, i32)| one.0 * other.1 - one.1 * other.0;
-        let is_exact = |&offset: &(i32, i32)| {
-            let square = offset.0 * offset.0 + offset.1 * offset.1;
-            (1..=EXACT_REACH * EXACT_REACH).contains(&square)
-                || (square <= reach * reach
-                    && self.refined.iter().any(|&[from, to]| cross(from, offset) >= 0 && cross(offset, to) >= 0))
-        };
-        offsets.filter(is_exact).collect()
+        offsets
+            .filter(|&offset: &(i32, i32)| {
+                let square = offset.0 * offset.0 + offset.1 * offset.1;
+                (1..=EXACT_REACH * EXACT_REACH).contains(&square)
+                    || (square <= reach * reach
+                        && self.refined.iter().any(|&[from, to]| cross(from, offset) >= 0 && cross(offset, to) >= 0))
+            })
+            .collect()
     }
 
     /// Returns the farthest of those, in columns or rows at most.

@@ -100,8 +100,7 @@ impl Raster {
 /// # Errors
 /// Fails as [`read_bands`] does, and if there are several bands.
 pub fn read(path: &Path) -> Result<Raster, RasterError> {
-    let only = |bands| one_of(bands).map_err(|fault| RasterError { path: path.to_owned(), fault });
-    read_bands(path).and_then(only)
+    read_bands(path).and_then(|bands| one_of(bands).map_err(|fault| RasterError { path: path.to_owned(), fault }))
 }
 
 /// Reads a raster of one band from the bytes of a file.

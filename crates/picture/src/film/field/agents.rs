@@ -70,12 +70,11 @@ fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
     let (sin, cos) = ops::sin_cos(state.pose.heading);
     let (sin, cos) = (to_f32(sin), to_f32(cos));
     let arrow = |length: f32| {
-        let place = |(along, across): (f32, f32)| {
+        [(0.58, 0.0), (-0.42, 0.36), (-0.24, 0.0), (-0.42, -0.36)].map(|(along, across): (f32, f32)| {
             let along = along * length;
             let across = across * length;
             (at.0 + along * cos - across * sin, at.1 - along * sin - across * cos)
-        };
-        [(0.58, 0.0), (-0.42, 0.36), (-0.24, 0.0), (-0.42, -0.36)].map(place)
+        })
     };
     let length = MARK_LENGTH * unit;
     canvas.fill(&arrow(length + 4.0 * edge), PAPER);

@@ -52,13 +52,15 @@ impl LabelBox {
 /// Returns which labels are written in a pane of that size: each keeps free of what is taken and of those before it.
 fn written(size: (f32, f32), taken: &[LabelBox], wanted: &[LabelBox]) -> Vec<bool> {
     let mut placed: Vec<LabelBox> = Vec::new();
-    let fits = |label: &LabelBox| {
-        let is_inside = label.left >= 0.0 && label.top >= 0.0 && label.right <= size.0 && label.bottom <= size.1;
-        let is_free = is_inside && !taken.iter().chain(&placed).any(|other| label.overlaps(other));
-        placed.extend(is_free.then_some(*label));
-        is_free
-    };
-    wanted.iter().map(fits).collect()
+    wanted
+        .iter()
+        .map(|label: &LabelBox| {
+            let is_inside = label.left >= 0.0 && label.top >= 0.0 && label.right <= size.0 && label.bottom <= size.1;
+            let is_free = is_inside && !taken.iter().chain(&placed).any(|other| label.overlaps(other));
+            placed.extend(is_free.then_some(*label));
+            is_free
+        })
+        .collect()
 }
 
 /// Writes the numbers of agents where there is room for them; none is to lie over those fires.

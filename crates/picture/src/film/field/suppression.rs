@@ -69,9 +69,10 @@ fn draw_progress(canvas: &mut Canvas, pane: &Pane, cell: Cell, share: f64) {
 
 fn arc((x, y): Point, radius: f32, share: f64) -> Vec<Point> {
     let chords = (CHORDS * share).ceil().max(1.0);
-    let place = |chord: u32| {
-        let (sin, cos) = ops::sin_cos(TAU * share * f64::from(chord) / chords);
-        (x + radius * to_f32(sin), y - radius * to_f32(cos))
-    };
-    (0..=chords as u32).map(place).collect()
+    (0..=chords as u32)
+        .map(|chord: u32| {
+            let (sin, cos) = ops::sin_cos(TAU * share * f64::from(chord) / chords);
+            (x + radius * to_f32(sin), y - radius * to_f32(cos))
+        })
+        .collect()
 }

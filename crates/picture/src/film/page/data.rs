@@ -414,11 +414,12 @@ fn verdicts(run: &RunView) -> Vec<(String, Vec<i64>)> {
     if run.verdicts().is_empty() {
         return Vec::new();
     }
-    let times = |verdict: Verdict| {
-        let those = run.verdicts().iter().filter(|(_, other)| *other == verdict);
-        (hex(verdict.colour()), time_differences(those.map(|(time, _)| *time)))
-    };
-    Verdict::ALL.map(times).to_vec()
+    Verdict::ALL
+        .map(|verdict: Verdict| {
+            let those = run.verdicts().iter().filter(|(_, other)| *other == verdict);
+            (hex(verdict.colour()), time_differences(those.map(|(time, _)| *time)))
+        })
+        .to_vec()
 }
 
 fn time_differences(times: impl IntoIterator<Item = SimTime>) -> Vec<i64> {

@@ -202,17 +202,19 @@ impl CellColours {
 
 fn arrival_lines(run: &RunView) -> Vec<ArrivalData> {
     let levels = ArrivalLines::new(run).levels;
-    let level = |(time_s, label, lines)| {
-        let lines: Vec<crate::contours::ContourLine> = lines;
-        let line = |points: &[(f64, f64)]| {
-            let part = |at: f64| (at * PER_CELL).round() as i64;
-            let columns = differences(points.iter().map(|point| part(point.0)));
-            let rows = differences(points.iter().map(|point| part(point.1)));
-            columns.into_iter().zip(rows).flat_map(|(col, row)| [col, row]).collect()
-        };
-        ArrivalData { time_s, label, lines: lines.iter().map(|contour| line(&contour.points)).collect() }
-    };
-    levels.into_iter().map(level).collect()
+    levels
+        .into_iter()
+        .map(|(time_s, label, lines)| {
+            let lines: Vec<crate::contours::ContourLine> = lines;
+            let line = |points: &[(f64, f64)]| {
+                let part = |at: f64| (at * PER_CELL).round() as i64;
+                let columns = differences(points.iter().map(|point| part(point.0)));
+                let rows = differences(points.iter().map(|point| part(point.1)));
+                columns.into_iter().zip(rows).flat_map(|(col, row)| [col, row]).collect()
+            };
+            ArrivalData { time_s, label, lines: lines.iter().map(|contour| line(&contour.points)).collect() }
+        })
+        .collect()
 }
 
 fn shades_data(run: &RunView) -> BTreeMap<&'static str, ShadesData> {

@@ -30,13 +30,15 @@ const BIN_BYTES: u64 = 5;
 /// Returns an upper bound of the bytes of floods over all lattices of a field, each of which spreads from up to this
 /// number of poses.
 pub fn flood_bytes(frame: &FieldFrame, max_spread: u32) -> u64 {
-    let of_lattice = |lattice: Lattice| {
-        let Lattice { bin_m, headings, .. } = lattice;
-        let bins = (frame.width_m() / bin_m * (frame.height_m() / bin_m) * f64::from(headings)) as u64;
-        let poses = bins.min(MAX_POSES as u64).min(6 * u64::from(max_spread) + 1);
-        POSE_BYTES * poses + BIN_BYTES * bins.min(MAX_BINS as u64)
-    };
-    LATTICES.into_iter().map(of_lattice).sum()
+    LATTICES
+        .into_iter()
+        .map(|lattice: Lattice| {
+            let Lattice { bin_m, headings, .. } = lattice;
+            let bins = (frame.width_m() / bin_m * (frame.height_m() / bin_m) * f64::from(headings)) as u64;
+            let poses = bins.min(MAX_POSES as u64).min(6 * u64::from(max_spread) + 1);
+            POSE_BYTES * poses + BIN_BYTES * bins.min(MAX_BINS as u64)
+        })
+        .sum()
 }
 
 /// The clearance that the body keeps from bushes and border.

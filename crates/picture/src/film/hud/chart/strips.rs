@@ -151,11 +151,12 @@ fn event_columns(run: &RunView, width: u32, end: SimTime, lane: &EventLane) -> V
 
 /// Returns the columns of decisions by verdict, with their colours.
 fn verdict_columns(run: &RunView, width: u32, end: SimTime) -> LaneMarks {
-    let columns = |verdict: Verdict| {
-        let those = run.verdicts().iter().filter(|(time, other)| *other == verdict && *time <= end);
-        (verdict.colour(), those.map(|(time, _)| column_of(*time, width, end)).collect())
-    };
-    Verdict::ALL.map(columns).to_vec()
+    Verdict::ALL
+        .map(|verdict: Verdict| {
+            let those = run.verdicts().iter().filter(|(time, other)| *other == verdict && *time <= end);
+            (verdict.colour(), those.map(|(time, _)| column_of(*time, width, end)).collect())
+        })
+        .to_vec()
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]

@@ -30,11 +30,10 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
     let mut here = start;
     let mut next = 0;
     while next < waypoints.len() {
-        let is_shortcut = |&far: &usize| {
+        let seen = (next + 1..waypoints.len()).rev().find(|&far: &usize| {
             line_is_free(space, kept == 0, here, waypoints[far])
                 && space.costs_no_more(here, &[waypoints[far]], &waypoints[next..=far])
-        };
-        let seen = (next + 1..waypoints.len()).rev().find(is_shortcut);
+        });
         next = seen.unwrap_or(next);
         here = waypoints[next];
         waypoints[kept] = here;
