@@ -38,6 +38,12 @@ def test_gymnasium_accepts_the_environment(actions):
     check_env(envs.TruckEnv("smoke", actions=actions, render_mode="rgb_array"))
 
 
+def test_gymnasium_knows_the_environments_without_an_import():
+    code = "import gymnasium; print(gymnasium.make('wildfire/Truck-v0', scenario='smoke').reset(seed=1)[0]['time_s'])"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and done.stdout.startswith("["), done.stderr
+
+
 @pytest.mark.filterwarnings("ignore")
 def test_pettingzoo_accepts_the_environments():
     parallel_api_test(envs.contest_v0.parallel_env("smoke"), num_cycles=300)
@@ -186,6 +192,20 @@ def test_who_has_not_begun_is_told_so():
             env.step({} if isinstance(env, envs.contest_v0.ContestParallel) else 0)
     with pytest.raises(IndexError, match="call reset first"):
         TruckVectorEnv(2, "smoke").step(np.zeros(2, np.int64))
+
+
+def test_a_mask_restarts_some_of_the_contests():
+    vector = TruckVectorEnv(3, "smoke", actions="nearest")
+    vector.reset(seed=5)
+    for _ in range(4):
+        seen, _, _, _, infos = vector.step(np.ones(3, np.int64))
+        assert np.array_equal(infos["action_mask"], seen["action_mask"])
+    vector.reset(options={"reset_mask": [True, False, False]})
+    seen, _ = vector.reset(options={"reset_mask": np.array([False, True, False])}, seed=[None, 6, None])
+    passed_s = seen["time_s"][:, 0]
+    assert passed_s[1] == passed_s[0] == 0.0 < passed_s[2]
+    with pytest.raises(ValueError, match="reset_mask has shape"):
+        vector.reset(options={"reset_mask": [True]})
 
 
 def test_learners_find_masks_and_vectors():
@@ -347,7 +367,8 @@ def test_a_restored_contest_goes_on_as_the_saved_one_did(actions):
     expected = go_on(seen, 40)
     for copy in copies:
         restored, info = env.restore(copy)
-        assert info == {"dt_s": 0.0, "illegal": 0}
+        assert (info["dt_s"], info["illegal"]) == (0.0, 0)
+        assert np.array_equal(info["action_mask"], restored["action_mask"])
         assert all(np.array_equal(restored[name], seen[name]) for name in seen)
         assert go_on(restored, 40) == expected
         futures = [go_on(env.restore(copy, future=future)[0], 40) for future in (1, 1, 2)]

@@ -19,6 +19,7 @@ from gymnasium import spaces
 
 from wildfire_contest import _core
 from wildfire_contest.policies import Policy
+from wildfire_contest.registration import register_envs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -153,11 +154,15 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
     def _seen(self) -> dict[str, Any]:
         return {name: view.copy() for name, view in self._views.items()}
 
+    def _first_observation(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        seen = self._seen()
+        return seen, {"dt_s": 0.0, "illegal": 0, "action_mask": seen["action_mask"]}
+
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Start a contest: that of `seed`, or the next in the random sequence that the last seed started."""
         super().reset(seed=seed, options=options)
         self._contests.reset([(0, random_seed(self.np_random) if seed is None else seed)])
-        return self._seen(), {"dt_s": 0.0, "illegal": 0}
+        return self._first_observation()
 
     def step(self, action: np.int64 | int) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
         """Carry out an action and advance to the next decision.
@@ -167,8 +172,9 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         """
         self._action[0] = action
         self._contests.step(self._action, [])
-        info = {"dt_s": float(self._dt_s[0]), "illegal": int(self._illegal[0])}
-        return self._seen(), float(self._reward[0]), bool(self._ended[0]), False, info
+        seen = self._seen()
+        info = {"dt_s": float(self._dt_s[0]), "illegal": int(self._illegal[0]), "action_mask": seen["action_mask"]}
+        return seen, float(self._reward[0]), bool(self._ended[0]), False, info
 
     def save(self) -> _core.SavedContest:
         """Return a copy of the contest as it is now, for `restore`. It can be pickled: then it is played again up to there."""
@@ -181,7 +187,7 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         planner that tries actions does not know the future; the same number is the same future.
         """
         self._contests.restore(0, state, future)
-        return self._seen(), {"dt_s": 0.0, "illegal": 0}
+        return self._first_observation()
 
     def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
         """Return a picture of the contest's current state, of shape (height, width, 3)."""
@@ -252,11 +258,6 @@ def __getattr__(name: str) -> ModuleType:
     raise AttributeError(msg)
 
 
-gymnasium.register(
-    id="wildfire/Truck-v0",
-    entry_point="wildfire_contest.envs:TruckEnv",
-    vector_entry_point="wildfire_contest.vector:truck_vector_env",
-)
-gymnasium.register(id="wildfire/Drive-v0", entry_point="wildfire_contest.envs:DriveEnv", max_episode_steps=1000)
+register_envs()
 
 Act = Callable[[dict[str, Any]], int]

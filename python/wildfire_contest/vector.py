@@ -82,7 +82,14 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Restart all contests: with seeds `seed`, `seed` + 1 ..., with a list of seeds, or with random ones."""
+        """Restart contests: with seeds `seed`, `seed` + 1 ..., with a list of seeds, or with random ones.
+
+        ``options={"reset_mask": mask}`` restarts those alone for which the mask, of shape (n,), is true.
+        """
+        mask = np.asarray((options or {}).get("reset_mask", self._all), np.bool_)
+        if mask.shape != (self.num_envs,) or not mask.any():
+            msg = f"reset_mask has shape {mask.shape}; expected ({self.num_envs},), with at least one that is true"
+            raise ValueError(msg)
         if seed is None:
             seeds: list[int | None] = [None] * self.num_envs
         elif isinstance(seed, (int, np.integer)):
@@ -95,13 +102,20 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
                 raise ValueError(msg)
             if isinstance(seeds[0], (int, np.integer)):
                 super().reset(seed=int(seeds[0]))
-        drawn = [self._draw() if own is None else int(own) for own in seeds]
-        self._contests.reset(list(enumerate(drawn)))
-        self._waiting = []
+        resets = [(lane, self._draw() if own is None else int(own)) for lane, own in enumerate(seeds) if mask[lane]]
+        self._contests.reset(resets)
+        self._waiting = [lane for lane in self._waiting if not mask[lane]]
         return self._seen, self._infos()
 
     def _infos(self) -> dict[str, Any]:
-        return {"dt_s": self._contests.dt_s, "_dt_s": self._all, "illegal": self._contests.illegal, "_illegal": self._all}
+        return {
+            "dt_s": self._contests.dt_s,
+            "_dt_s": self._all,
+            "illegal": self._contests.illegal,
+            "_illegal": self._all,
+            "action_mask": self._seen["action_mask"],
+            "_action_mask": self._all,
+        }
 
     def step(
         self, actions: NDArray[np.int64]
