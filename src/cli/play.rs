@@ -17,7 +17,9 @@ Examples:
   wildfire play --seed 7 --with-seed 8
   wildfire play --with-set unimog.planner=hybrid-astar
 
-Recordings play at once; scenarios are simulated first. In the window, ? shows all keys.")]
+Recordings play at once; scenarios are simulated first. In the window, ? shows all keys.
+A program that was built without its window writes a page that plays the run, and opens
+it in the browser if there is a display.")]
 pub struct PlayArguments {
     #[command(flatten)]
     pub show: ShowArguments,
@@ -30,6 +32,9 @@ pub struct PlayArguments {
     /// Start paused.
     #[arg(long)]
     paused: bool,
+    /// Insist on the window, also where the program was built without it.
+    #[arg(long)]
+    window: bool,
 }
 
 #[cfg(feature = "view")]
@@ -61,18 +66,53 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     Ok(ExitCode::SUCCESS)
 }
 
-/// Says how to build the program with its window.
+/// Writes a page of the runs and opens it.
 #[cfg(not(feature = "view"))]
-pub fn run(_: &PlayArguments, _: &CommandContext) -> Result<ExitCode, CliError> {
-    use crate::cli::error::exit;
+pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    use crate::cli::show::{Searches, check_grounds, look, shown_runs, time_within, write_page};
     use crate::cli::terminal;
-    use wildfire_batch::plan::shell_word;
+    use wildfire_batch::execute::file_name_of;
+    use wildfire_picture::film::{FrameRequest, RunView};
 
-    let args = std::env::args_os().skip(1).map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>();
-    let args = args.join(" ");
-    terminal::note(&format!(
-        "built without the window; to build with it: cargo run --release --features view -- \
-        {args}"
-    ));
-    Ok(ExitCode::from(exit::ENVIRONMENT))
+    if arguments.window {
+        let command = "cargo run --release --features view -- play";
+        return Err(CliError::environment(format_args!("built without the window; to build with it: {command}")));
+    }
+    let runs: Vec<RunView> = shown_runs(&arguments.show, Searches::Recorded, context)?
+        .into_iter()
+        .map(|shown| shown.run.into_view())
+        .collect();
+    let runs: Vec<&RunView> = runs.iter().collect();
+    check_grounds(&runs)?;
+    let setting = &runs[0].timeline().setting;
+    let name = format!("wildfire-{}-seed-{}.html", file_name_of(runs[0].title()), setting.seed);
+    let path = std::env::temp_dir().join(name);
+    let options = look(&arguments.show, &runs)?;
+    let time = time_within("--at", arguments.at, &runs, context.quiet);
+    write_page(&FrameRequest { runs: &runs, time, options: &options }, &path)?;
+    terminal::print(&format!("{}\n", path.display()))?;
+    if !open_in_browser(&path) && !context.quiet {
+        terminal::note("open that file in a browser; `wildfire play --help` says how to play in a window");
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Asks the system to open a page, and returns whether it could be asked.
+#[cfg(not(feature = "view"))]
+fn open_in_browser(path: &std::path::Path) -> bool {
+    use std::env::var_os;
+    use std::process::{Command, Stdio};
+
+    let has_display = cfg!(any(windows, target_os = "macos"))
+        || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| var_os(name).is_some_and(|value| !value.is_empty()));
+    let opener = if cfg!(windows) {
+        "explorer"
+    } else if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
+    };
+    let mut command = Command::new(opener);
+    command.arg(path).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    has_display && command.spawn().is_ok()
 }

@@ -359,12 +359,23 @@ fn interrupted_film_leaves_nothing() {
 
 #[test]
 #[cfg(not(feature = "view"))]
-fn play_says_how_to_build_the_window() {
-    let answer = Story::begin().tell(&["play", "my run.wildfire", "--speed", "50"]).expect_code(3);
-    let command = "cargo run --release --features view -- play 'my run.wildfire' --speed 50";
-    assert!(answer.stderr.contains(command), "{}", answer.stderr);
-    assert_eq!(answer.stderr.lines().count(), 1);
-    assert!(answer.stdout.is_empty());
+fn play_without_its_window_writes_a_page() {
+    let story = Story::begin();
+    let play = |args: &[&str]| {
+        let mut command = story.command(&[&["play", "smoke", "--seed", "3"], args].concat());
+        command.env("TMPDIR", story.path("")).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+        Answer::of(&output_of(&mut command))
+    };
+    let answer = play(&["--at", "50%"]).expect_code(0);
+    let page = answer.stdout.trim_end();
+    assert!(page.ends_with("wildfire-smoke-seed-3.html"), "{page}");
+    assert!(answer.stderr.contains("open that file in a browser"), "{}", answer.stderr);
+    story.tell(&["render", "smoke", "--seed", "3", "--page", "same.html"]).expect_code(0);
+    let size = |path: &Path| fs::metadata(path).expect("it was written").len();
+    assert!(size(Path::new(page)).abs_diff(size(&story.path("same.html"))) < 100);
+    let refused = play(&["--window"]).expect_code(3);
+    assert!(refused.stderr.contains("cargo run --release --features view -- play"), "{}", refused.stderr);
+    assert_eq!((refused.stderr.lines().count(), refused.stdout.as_str()), (1, ""));
 }
 
 #[test]
