@@ -237,14 +237,18 @@ fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
         cells.shuffle(&mut rng::stream(seed, "ignition"));
         cells.into()
     });
-    let scheduled = |(number, entry): (usize, &Ignition)| match &entry.cells {
-        IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
-        IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },
-        IgnitionCells::Density(density) => {
-            let order = density.order(&terrain.frame, seed, number).into();
-            ScheduledIgnition::FirstOf { order, count: density.count }
-        }
-    };
-    let entries: Vec<_> = scenario.ignition.iter().enumerate().map(scheduled).collect();
+    let entries: Vec<_> = scenario
+        .ignition
+        .iter()
+        .enumerate()
+        .map(|(number, entry): (usize, &Ignition)| match &entry.cells {
+            IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
+            IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },
+            IgnitionCells::Density(density) => {
+                let order = density.order(&terrain.frame, seed, number).into();
+                ScheduledIgnition::FirstOf { order, count: density.count }
+            }
+        })
+        .collect();
     Ignitions { pending: entries.len(), entries }
 }

@@ -205,21 +205,23 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     let options = settings.options();
     let digits = |number: f64| if number < 9.95 { format!("{number:.1}") } else { format!("{number:.0}") };
     let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
-    let line = |share: FuelShare| {
-        let fire = fire_of(share.model, weather, 0, &options);
-        if fire.rate_mps == 0.0 {
-            return format!("{}: too moist to burn.", share.model.code);
-        }
-        let intensity = fire.intensity_kw_m(fire.rate_mps);
-        format!(
-            "{}: the head spreads at {} m/min with flames of {} m ({intensity:.0} kW/m), the back at {} m/min.",
-            share.model.code,
-            digits(60.0 * fire.rate_mps),
-            digits(wildfire_fire::surface::flame_length_m(intensity)),
-            digits(60.0 * fire.back_rate_mps())
-        )
-    };
-    burning.take(SHOWN_FIRES).map(line).collect()
+    burning
+        .take(SHOWN_FIRES)
+        .map(|share: FuelShare| {
+            let fire = fire_of(share.model, weather, 0, &options);
+            if fire.rate_mps == 0.0 {
+                return format!("{}: too moist to burn.", share.model.code);
+            }
+            let intensity = fire.intensity_kw_m(fire.rate_mps);
+            format!(
+                "{}: the head spreads at {} m/min with flames of {} m ({intensity:.0} kW/m), the back at {} m/min.",
+                share.model.code,
+                digits(60.0 * fire.rate_mps),
+                digits(wildfire_fire::surface::flame_length_m(intensity)),
+                digits(60.0 * fire.back_rate_mps())
+            )
+        })
+        .collect()
 }
 
 /// Adds warnings about a ground and its weather.

@@ -146,12 +146,15 @@ impl Program {
 
     /// Returns its command as a line that a shell would read.
     pub fn command_line(&self) -> String {
-        let quoted = |word: &String| {
-            let is_whole = !word.is_empty()
-                && word.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter));
-            if is_whole { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
-        };
-        self.command.iter().map(quoted).collect::<Vec<_>>().join(" ")
+        self.command
+            .iter()
+            .map(|word: &String| {
+                let is_whole = !word.is_empty()
+                    && word.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_./=:,+@%".contains(letter));
+                if is_whole { word.clone() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+            })
+            .collect::<Vec<_>>()
+            .join(" ")
     }
 
     /// Returns the instructions that a module may run in a query.

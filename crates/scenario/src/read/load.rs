@@ -274,8 +274,8 @@ impl WrittenScenario<'_> {
         let Some(file) = settings.roads_file.as_ref().filter(|_| has_size) else { return Ok(()) };
         let path = FieldPath::parse("landscape.roads_file");
         let file = self.file(&path, file);
-        let cannot_be_read = |error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value));
-        let text = input_file::read_text(&file, MAX_MAP_BYTES).map_err(cannot_be_read)?;
+        let text = input_file::read_text(&file, MAX_MAP_BYTES)
+            .map_err(|error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value)))?;
         let cells = geojson::road_cells(&text, &frame, settings.imported.as_ref()).map_err(|error| {
             let error = json_fault(&text, &error, FieldPath::default());
             Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))

@@ -693,13 +693,15 @@ impl<'a> WeatherStream<'a> {
     }
 
     fn by_tables(&self) -> Result<Vec<[f64; 3]>, String> {
-        let moisture = |row: &StreamRow<'_>| -> Result<[f64; 3], String> {
-            let temperature_c = self.format.number(&row.row, StreamQuantity::Temperature)?;
-            let humidity = self.format.number(&row.row, StreamQuantity::Humidity)? / 100.0;
-            let fine = fine_dead_moisture(temperature_c, humidity, row.month(), row.hour() as u32);
-            Ok([fine, fine + 0.01, fine + 0.02])
-        };
-        self.rows[self.first..].iter().map(moisture).collect()
+        self.rows[self.first..]
+            .iter()
+            .map(|row: &StreamRow<'_>| -> Result<[f64; 3], String> {
+                let temperature_c = self.format.number(&row.row, StreamQuantity::Temperature)?;
+                let humidity = self.format.number(&row.row, StreamQuantity::Humidity)? / 100.0;
+                let fine = fine_dead_moisture(temperature_c, humidity, row.month(), row.hour() as u32);
+                Ok([fine, fine + 0.01, fine + 0.02])
+            })
+            .collect()
     }
 
     fn by_sticks(&self, latitude_deg: Option<f64>) -> Result<Vec<[f64; 3]>, String> {

@@ -162,12 +162,14 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
 }
 
 fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
-    let cell = |(at, found): (usize, char)| match found {
-        '.' | '0' => Ok(false),
-        '#' | '1' => Ok(true),
-        _ => Err(MapFault::UnknownCharacter { found }.at(start + at..start + at + found.len_utf8())),
-    };
-    line.trim_end().char_indices().map(cell).collect()
+    line.trim_end()
+        .char_indices()
+        .map(|(at, found): (usize, char)| match found {
+            '.' | '0' => Ok(false),
+            '#' | '1' => Ok(true),
+            _ => Err(MapFault::UnknownCharacter { found }.at(start + at..start + at + found.len_utf8())),
+        })
+        .collect()
 }
 
 fn frame_from(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {

@@ -677,11 +677,10 @@ const PERCENT_SLOPE: &str = "SLPP";
 fn has_code(name: &str, code: &str) -> bool {
     let upper = name.to_ascii_uppercase();
     let parts = || upper.split(|letter: char| !letter.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-    let is_code = |word: &str| {
+    parts().any(|word: &str| {
         let rest = word.trim_start_matches(|letter: char| letter.is_ascii_digit()).strip_prefix(code);
         rest.is_some_and(|rest| rest.chars().all(|letter| letter.is_ascii_digit()))
-    };
-    parts().any(is_code) || code.contains(' ') && parts().eq(code.split(' '))
+    }) || code.contains(' ') && parts().eq(code.split(' '))
 }
 
 /// Returns the metres of a unit of length by its name in lower case.

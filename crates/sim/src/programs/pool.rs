@@ -75,7 +75,7 @@ impl ProgramPool {
             let launch = self.launch(name, table);
             let run = scenario.name.clone();
             let stream = name.name().to_owned();
-            let make = move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
+            planners.with(name.name(), move |site: &PlannerContext<'_>| -> Result<Box<dyn TruckPlanner>, MakeError> {
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
                 let cells = bushes(site.checker.field());
@@ -88,8 +88,7 @@ impl ProgramPool {
                 let respondent = start(launch, idle.as_ref(), seed, &message)?;
                 let curves = ReedsShepp { radius_m: site.body.turning_radius_m };
                 Ok(Box::new(ProgramPlanner { respondent: Some(respondent), idle, curves }))
-            };
-            planners.with(name.name(), make)
+            })
         })
     }
 

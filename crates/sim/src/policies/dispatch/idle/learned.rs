@@ -65,11 +65,13 @@ impl StagingRule for LearnedPosts {
         let trucks: Vec<&TeamTruck> = team.trucks.iter().filter(|truck| idle.contains(&truck.id)).collect();
         let share = trucks.len() as f64 / team.trucks.len() as f64;
         let counted: Vec<BushBlock> = self.census.blocks(team).to_vec();
-        let weigh = |block: &BushBlock| BushBlock {
-            bushes: block.bushes * self.weight(block.place, team.now, share),
-            ..*block
-        };
-        let blocks: Vec<BushBlock> = counted.iter().map(weigh).collect();
+        let blocks: Vec<BushBlock> = counted
+            .iter()
+            .map(|block: &BushBlock| BushBlock {
+                bushes: block.bushes * self.weight(block.place, team.now, share),
+                ..*block
+            })
+            .collect();
         let mut sites: Vec<DVec2> = trucks.iter().map(|truck| waits_at(truck)).collect();
         spread_out(&blocks, &mut sites);
         posts(&trucks, &sites, worth_m(team, trucks.len()))
