@@ -2,6 +2,7 @@
 //
 //     node .ci/web_rows.mjs MODULE PROGRAM [SEEDS]
 //
+// MODULE is a file of WebAssembly, or a page that contains one.
 // Every scenario below with every planner and so many seeds, 1 unless told. Prints how many were equal, and the medians of
 // CPU time of `contest` in both.
 
@@ -9,12 +10,19 @@ import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { inflateSync } from "node:zlib";
 
 const [modulePath, program, seeds = "1"] = process.argv.slice(2);
 const SCENARIOS = ["contest", "contest-1", "report-2024", "coursework-2025", "original-2024", "arena", "dense", "cautious", "fleet", "windy", "smoke"];
 const PLANNERS = ["prm+primitives", "prm-rs", "hybrid-astar", "lattice"];
 
-const { instance } = await WebAssembly.instantiate(readFileSync(modulePath), {});
+function moduleBytes(path) {
+    if (!path.endsWith(".html")) return readFileSync(path);
+    const packed = readFileSync(path, "latin1").match(/ id="module">([^<]+)</)[1];
+    return inflateSync(Buffer.from(packed, "base64"));
+}
+
+const { instance } = await WebAssembly.instantiate(moduleBytes(modulePath), {});
 const module = instance.exports;
 
 function ask(request) {
@@ -62,5 +70,6 @@ const [here, native] = [median(times.here), median(times.native)];
 console.log(`contest: ${here.toFixed(1)} ms of CPU in the module, ${native.toFixed(1)} ms native (medians), ${(here / native).toFixed(2)} x`);
 if (different.length > 0) {
     console.error(`FAILED: different are ${different.join(", ")}`);
+    console.error(".ci/wasm and .ci/renew make a new module for assets/play.html");
     process.exit(1);
 }

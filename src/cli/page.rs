@@ -1,6 +1,5 @@
 //! `wildfire page`: a page that computes runs itself, to watch and to play, in one file; or pages for a course.
 
-use std::env;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -12,12 +11,12 @@ use crate::cli::lessons;
 use crate::cli::output_files::{Files, Format, write_all};
 use wildfire_base::input_file;
 use wildfire_base::whole_file::write_whole;
-use wildfire_picture::film::play_page;
+use wildfire_picture::film::{PackedModule, play_page};
 use wildfire_scenario::{BUILT_IN, ScenarioText};
 use wildfire_sim::game::{Game, GameScenario, MAX_GAME_BYTES, Side};
 
-/// The module's name beside the program, and where a build leaves it as seen from there.
-const MODULES: [&str; 2] = ["wildfire.wasm", "../wasm32-unknown-unknown/web/wildfire_web.wasm"];
+/// The page that comes with the program, for its module. What this computes is compared with what the program computes.
+const SHIPPED_PAGE: &str = include_str!("../../assets/play.html");
 
 /// The largest module that is taken, in bytes.
 const MAX_MODULE_BYTES: u64 = 64_000_000;
@@ -30,8 +29,7 @@ Examples:
   wildfire page --game game.json -o game.html
   wildfire page --lessons lessons
 
-The page needs the program as a WebAssembly module. The program looks for it in its own folder.
-Lessons do not need it. To build it:
+The page contains the program as a WebAssembly module. To build the module from changed sources:
   rustup target add wasm32-unknown-unknown
   cargo build -p wildfire-web --profile web --target wasm32-unknown-unknown")]
 pub struct PageArguments {
@@ -47,7 +45,7 @@ pub struct PageArguments {
     /// Continue this saved game.
     #[arg(long, value_name = "FILE.json")]
     pub game: Option<PathBuf>,
-    /// WebAssembly module [default: the one in the program's folder].
+    /// Another WebAssembly module than the one that comes with the program.
     #[arg(long, value_name = "FILE.wasm")]
     pub module: Option<PathBuf>,
     /// Output file.
@@ -89,7 +87,10 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError>
     game.load()?;
     let inputs = arguments.game.iter().chain(&arguments.module).map(PathBuf::as_path).collect();
     Files { inputs, outputs: vec![(Format::Html, out)], ..Files::default() }.check()?;
-    let module = read_module(arguments.module.as_deref())?;
+    let module = match &arguments.module {
+        Some(path) => PackedModule::new(&read_module(path)?),
+        None => PackedModule::from_page(SHIPPED_PAGE).expect("tests look for the module"),
+    };
     let setup = serde_json::to_string(&game).expect("names and numbers are JSON");
     let page = play_page(&module, &setup);
     write_all(&[(Some(out), &|path| write_whole(path, page.as_bytes()))], quiet)?;
@@ -120,17 +121,9 @@ pub fn read_game(path: &Path) -> Result<Game, CliError> {
     Game::from_json(&text).map_err(|error| refuse(error.to_string()))
 }
 
-fn read_module(requested: Option<&Path>) -> Result<Vec<u8>, CliError> {
-    let beside = || {
-        let program = env::current_exe().ok()?.canonicalize().ok()?;
-        MODULES.iter().map(|name| program.with_file_name(name)).find(|path| path.is_file())
-    };
-    let Some(path) = requested.map(Path::to_owned).or_else(beside) else {
-        let sentence = format!("{} not found next to the program; expected --module FILE.wasm", MODULES[0]);
-        return Err(CliError::bad_input(sentence, Some("`wildfire page --help` shows how to build it")));
-    };
+fn read_module(path: &Path) -> Result<Vec<u8>, CliError> {
     let refuse = |reason: String| CliError::bad_input(format_args!("{}: {reason}", path.display()), None);
     let module =
-        input_file::read(&path, MAX_MODULE_BYTES).map_err(|error| refuse(format!("it cannot be read: {error}")))?;
+        input_file::read(path, MAX_MODULE_BYTES).map_err(|error| refuse(format!("it cannot be read: {error}")))?;
     if module.starts_with(b"\0asm") { Ok(module) } else { Err(refuse("it is no WebAssembly module".to_owned())) }
 }

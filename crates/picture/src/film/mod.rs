@@ -21,6 +21,6 @@ pub use hud::format_clock;
 pub use keys::{BINDINGS, Binding};
 pub use layout::{FrameLayout, FramePart, PixelRect};
 pub use options::{CameraTarget, Layer, Layers, Selected, Status, ViewOptions};
-pub use page::{MAX_GROUND_CELLS, page, page_data, play_page};
+pub use page::{MAX_GROUND_CELLS, PackedModule, page, page_data, play_page};
 pub use renderer::{FrameRenderer, FrameRequest, still};
 pub use run::{RunView, RunViewId, Verdict};

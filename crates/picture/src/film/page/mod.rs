@@ -6,6 +6,7 @@
 mod data;
 mod ground;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use data_encoding::BASE64;
@@ -51,6 +52,9 @@ const QUESTION: &str = include_str!("../../../assets/page/question.html");
 
 /// How hard the data are packed, 0 to 10: more takes longer and gains next to nothing.
 const PACKED: u8 = 8;
+
+/// The name of the element that holds a page's module.
+const MODULE: &str = "module";
 
 /// Keys of the window that ask for what a page cannot do: other runs, and to quit.
 const WINDOW_ONLY: [&str; 3] = ["R", "N P", "Q"];
@@ -120,12 +124,29 @@ pub fn page(request: &FrameRequest) -> String {
     })
 }
 
+/// A WebAssembly module as a page carries it: compressed, in base 64.
+#[derive(Clone, Debug)]
+pub struct PackedModule<'a>(Cow<'a, str>);
+
+impl<'a> PackedModule<'a> {
+    /// Compresses the bytes of a module.
+    pub fn new(module: &[u8]) -> Self {
+        Self(BASE64.encode(&compress_to_vec_zlib(module, PACKED)).into())
+    }
+
+    /// Returns the module of a page that `play_page` made; `None` if there is none.
+    pub fn from_page(page: &'a str) -> Option<Self> {
+        let (_, rest) = page.split_once(&element_start(MODULE))?;
+        let (module, _) = rest.split_once('<')?;
+        Some(Self(module.into()))
+    }
+}
+
 /// Returns a page that computes runs by a WebAssembly module and lets its reader play; it begins with a game, in JSON.
-pub fn play_page(module: &[u8], game: &str) -> String {
-    let module = BASE64.encode(&compress_to_vec_zlib(module, PACKED));
+pub fn play_page(module: &PackedModule<'_>, game: &str) -> String {
     // No text of a game ends the element that it stands in.
     let data =
-        [element("module", &module), element("worker", WORKER), element("setup-data", &game.replace('<', "\\u003c"))];
+        [element(MODULE, &module.0), element("worker", WORKER), element("setup-data", &game.replace('<', "\\u003c"))];
     filled_in(&Filling {
         title: "wildfire",
         sentence: "Watch an arsonist and fire trucks, or play one side. The simulation runs in this page.",
@@ -171,7 +192,11 @@ fn filled_in(filling: &Filling<'_>) -> String {
 }
 
 fn element(id: &str, data: &str) -> String {
-    format!("<script type=\"application/octet-stream\" id=\"{id}\">{data}</script>\n")
+    format!("{}{data}</script>\n", element_start(id))
+}
+
+fn element_start(id: &str) -> String {
+    format!("<script type=\"application/octet-stream\" id=\"{id}\">")
 }
 
 /// Returns the data of such a page alone, as JSON.
