@@ -447,7 +447,8 @@ fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
             difference: pair.contrast.difference,
             interval: pair.contrast.interval,
             p_adjusted: pair.p_adjusted,
-            told_apart: pair.is_significant(),
+            #[serde(rename = "told_apart")]
+            significant: pair.is_significant(),
         })
     });
     let conditions = entry.by_condition.iter();

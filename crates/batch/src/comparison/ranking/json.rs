@@ -60,7 +60,8 @@ fn pair(ranking: &Ranking, pair: &RankedPair) -> impl Serialize {
         p_value: pair.contrast.p_value,
         p_method: pair.contrast.p_method.name(),
         p_adjusted: pair.p_adjusted,
-        told_apart: pair.is_significant(),
+        #[serde(rename = "told_apart")]
+        significant: pair.is_significant(),
         cohens_dz: pair.contrast.effect_dz,
     })
 }
