@@ -19,7 +19,6 @@ from gymnasium import spaces
 
 from wildfire_contest import _core
 from wildfire_contest.policies import Policy
-from wildfire_contest.registration import register_envs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -258,6 +257,11 @@ def __getattr__(name: str) -> ModuleType:
     raise AttributeError(msg)
 
 
-register_envs()
+gymnasium.register(
+    id="wildfire/Truck-v0",
+    entry_point="wildfire_contest.envs:TruckEnv",
+    vector_entry_point="wildfire_contest.vector:truck_vector_env",
+)
+gymnasium.register(id="wildfire/Drive-v0", entry_point="wildfire_contest.envs:DriveEnv", max_episode_steps=1000)
 
 Act = Callable[[dict[str, Any]], int]
