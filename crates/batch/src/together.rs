@@ -103,7 +103,7 @@ pub struct InstanceRow {
     cpu_s: f64,
 }
 
-/// What a planner answered for an instance.
+/// A planner's answer for an instance.
 #[derive(Debug)]
 pub struct InstanceAnswer {
     pub row: InstanceRow,
@@ -125,7 +125,7 @@ impl InstanceAnswer {
         let cpu_s = spent.as_secs_f64();
         let solution = found.as_ref().ok().map(|routes| write_solution(instance, routes, cpu_s));
         let checked = solution.as_ref().map(|text| {
-            // What is checked is what is written: numbers as text.
+            // The text is checked, as its numbers are those that others read.
             let schedules = read_solution(text).expect("what is written can be read");
             CheckedSolution::new(instance, settings.mode, &schedules)
         });

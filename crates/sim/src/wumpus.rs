@@ -69,7 +69,7 @@ pub struct Wumpus {
 /// A decision that is not yet made.
 #[derive(Clone, Copy, Debug)]
 struct WumpusDecision {
-    /// Of the agent that began it.
+    /// The agent's revision when it began.
     revision: u32,
     /// When it may set out: planning times of goals that it failed to approach add up.
     ready: SimTime,

@@ -11,7 +11,7 @@ use wildfire_base::document::number::rounded;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::object;
 
-/// What became of an entry's first seeds on a track.
+/// The result of an entry's first seeds on a track.
 #[derive(Debug, Serialize)]
 pub struct TrackCheck {
     track: &'static str,
@@ -21,9 +21,9 @@ pub struct TrackCheck {
     effort: f64,
     failed_queries: u64,
     queries: u64,
-    /// Why queries failed.
+    /// The reasons for which queries failed.
     reasons: Vec<String>,
-    /// Why the entry is refused.
+    /// The reasons for which the entry is refused.
     refusals: Vec<String>,
     wall_all_seeds_s: f64,
     message: Option<String>,

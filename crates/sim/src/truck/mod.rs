@@ -105,9 +105,9 @@ impl Truck {
 /// A decision in progress.
 #[derive(Clone, Debug)]
 pub struct DecisionState {
-    /// Of the agent that began it.
+    /// The agent's revision when it began.
     revision: u32,
-    /// What it was doing.
+    /// The agent's activity when it began.
     activity: Activity,
     /// The drives that were blocked when it decided last; it has not moved since.
     before: Vec<Blocked>,

@@ -62,7 +62,7 @@ impl From<Neighbours> for u8 {
 pub struct RothermelRules {
     pub options: SurfaceOptions,
     pub neighbours: Neighbours,
-    /// Whether fire also spreads in directions between those to the neighbours where it is too narrow for these. Older
+    /// True if fire also spreads in directions between those to the neighbours where it is too narrow for these. Older
     /// recordings do not say so.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub refined: bool,
