@@ -88,7 +88,7 @@ mod tests {
             "C saves 6.1 fewer obstacles per run, 95 % interval 4.8 to 7.4"
         );
         assert_eq!(sentence("saved", SAVES, 'B', 2.0, None), "B saves 2.0 more obstacles per run");
-        assert_eq!(sentence("truck_cusps", None, 'B', -31.0, None), "truck_cusps is 31 lower with B");
+        assert_eq!(sentence("truck_goals", None, 'B', -31.0, None), "truck_goals is 31 lower with B");
     }
 
     #[test]

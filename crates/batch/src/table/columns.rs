@@ -201,12 +201,14 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         = outcome(row, |o| o.wumpus_stuck_s), title("Wumpus stuck time");
     lit_by_schedule: optional Count Cells "ignitions of bushes by the scenario" = outcome(row, |o| o.lit_by_schedule),
         title("Lit by the scenario");
-    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s), title("End of the run");
+    ended_s: optional Real Seconds "simulated time at the end" = outcome(row, |o| o.ended_s), title("End of the run"),
+        phrase("with $ runs end", "s later", "s sooner");
     burning_cell_s: optional Real CellSeconds "number of burning bush cells integrated over time"
         = outcome(row, |o| o.burning_cell_s), title("Burning cells over time"), better(Lower),
         phrase("$ has", "more cell-seconds of fire per run", "fewer cell-seconds of fire per run");
     peak_burning: optional Count Cells "largest number of bush cells burning at once"
-        = outcome(row, |o| o.peak_burning), title("Most bushes burning at once"), better(Lower);
+        = outcome(row, |o| o.peak_burning), title("Most bushes burning at once"), better(Lower),
+        phrase("with $", "more bushes burn at the peak", "fewer bushes burn at the peak");
     mean_response_s: optional Real Seconds "mean time from ignition to extinction, over extinguished bushes"
         = outcome(row, |o| o.mean_response_s), title("Time from ignition to extinction"), better(Lower),
         phrase("$ puts a fire out", "s later", "s sooner"),
@@ -252,9 +254,9 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_local_expansions: optional Count None "nodes expanded in local searches"
         = trucks_count(row, |a| a.local_expansions), title("Nodes expanded in local searches"), better(Lower);
     truck_distance_m: optional Real Metres "distance driven" = trucks(row, |a| a.distance_m),
-        title("Distance driven by trucks"), better(Lower);
+        title("Distance driven by trucks"), better(Lower), phrase("with $ trucks drive", "m more", "m less");
     truck_driving_s: optional Real Seconds "time spent driving" = trucks(row, |a| a.driving_s),
-        title("Truck driving time");
+        title("Truck driving time"), phrase("with $ trucks drive", "s longer", "s less");
     truck_planning_s: optional Real Seconds "simulated planning time charged by the scenario"
         = trucks(row, |a| a.planning_s), title("Truck planning time"), better(Lower);
     truck_suppressing_s: optional Real Seconds "time spent extinguishing fires" = trucks(row, |a| a.suppressing_s),
@@ -264,11 +266,11 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
     truck_longest_idle_s: optional Real Seconds "longest time that a truck stood while something burned"
         = trucks_longest(row, |a| a.longest_idle_s), title("Longest truck standstill"), better(Lower);
     truck_cusps: optional Count None "changes between forward and reverse" = trucks_count(row, |a| a.cusps.into()),
-        title("Changes of driving direction"), better(Lower);
+        title("Changes of driving direction"), better(Lower), phrase("with $ trucks reverse", "times more", "times less");
     truck_wasted_drives: optional Count None "drives that ended without an extinction"
         = trucks_count(row, |a| a.wasted_drives.into()), title("Wasted drives"), better(Lower);
     truck_waiting_s: optional Real Seconds "time spent waiting for other trucks" = trucks(row, |a| a.waiting_s),
-        title("Truck waiting time"), better(Lower);
+        title("Truck waiting time"), better(Lower), phrase("with $ trucks wait", "s longer", "s less");
     truck_deadlocks: optional Count None "deadlocks of trucks that were resolved"
         = trucks_count(row, |a| a.deadlocks.into()), title("Truck deadlocks"), better(Lower);
     wumpus_plans: optional Count None "planner queries of Wumpuses, including failed queries"

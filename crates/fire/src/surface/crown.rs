@@ -421,10 +421,10 @@ impl CrownFire {
         self.critical_intensity_kw_m() / self.surface.heat_kj_m2()
     }
 
-    /// Returns the rate of the surface fire in the crowning wind; no number where that is infinite.
+    /// Returns the rate of the surface fire in the crowning wind; infinite where that is.
     pub fn crowning_surface_rate_mps(&self) -> f64 {
         let wind = self.crowning_wind_mps();
-        if wind.is_finite() { self.conditions.surface(wind).rate_mps } else { f64::NAN }
+        if wind.is_finite() { self.conditions.surface(wind).rate_mps } else { f64::INFINITY }
     }
 
     /// Returns the part of the crowns that burns, in [0, 1]: how far the surface rate has come from the one at which fire
@@ -432,7 +432,7 @@ impl CrownFire {
     pub fn fraction_burned(&self) -> f64 {
         let critical = self.critical_surface_rate_mps();
         let span = self.crowning_surface_rate_mps() - critical;
-        if span > 0.0 { ((self.surface.rate_mps - critical) / span).clamp(0.0, 1.0) } else { 0.0 }
+        if span > 0.0 && span.is_finite() { ((self.surface.rate_mps - critical) / span).clamp(0.0, 1.0) } else { 0.0 }
     }
 
     /// Returns the fire that burns a part of the crowns (Scott and Reinhardt, 2001), whether this one does or not.
@@ -578,6 +578,6 @@ mod tests {
         let fire = CrownConditions { ground: wet, model_10: wet, ..conditions("R10", PINES, 9.0) }.burn();
         assert_eq!((fire.fire_type(), fire.head(CrownMethod::Rothermel).rate_mps), (FireType::Surface, 0.0));
         assert_eq!((fire.crowning_wind_mps(), fire.fraction_burned()), (f64::INFINITY, 0.0));
-        assert!(fire.critical_surface_rate_mps().is_infinite() && fire.crowning_surface_rate_mps().is_nan());
+        assert_eq!([fire.critical_surface_rate_mps(), fire.crowning_surface_rate_mps()], [f64::INFINITY; 2]);
     }
 }
