@@ -1,4 +1,4 @@
-// Widgets of the lessons. All that they show was computed by the program and is in the element `data`.
+// Widgets of the lessons. What runs and samples show was computed by the program and is in the element `data`.
 "use strict";
 
 const data = JSON.parse(document.getElementById("data").textContent);
@@ -28,6 +28,23 @@ function colour(share) {
     const from = Math.min(Math.floor(at), stops.length - 2);
     const mixed = stops[from].map((part, i) => Math.round(part + (stops[from + 1][i] - part) * (at - from)));
     return `rgb(${mixed.join(" ")})`;
+}
+
+/** Round numbers in a range, at most `most` of them, as numbers and as text. */
+function ticks(low, high, most = 6) {
+    const power = 10 ** Math.floor(Math.log10((high - low) / most));
+    const step = [1, 2, 5, 10].map((times) => times * power).find((step) => (high - low) / step <= most);
+    const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+    const first = Math.ceil(low / step - 1e-9);
+    const count = Math.floor(high / step + 1e-9) - first + 1;
+    return Array.from({ length: count }, (_, i) => [(first + i) * step, ((first + i) * step).toFixed(decimals).replace("-", "−")]);
+}
+
+const commandLine = () => element("code", { class: "command" });
+
+/** Shows a command; an option stays on one line with its value. */
+function showCommand(code, text) {
+    code.replaceChildren(...text.split(/ (?=--)/).flatMap((part, i) => (i ? [" ", element("span", {}, part)] : [part])));
 }
 
 /** A canvas that is redrawn in sharp pixels whenever its width changes; draw(context, width, height) uses CSS pixels. */
@@ -177,7 +194,7 @@ class Cells {
 
     mark(context, cell, letter) {
         const [x, y] = this.centre(cell);
-        const radius = Math.max(6, this.side * 0.46);
+        const radius = Math.max(8, this.side * 0.46);
         context.beginPath();
         context.arc(x, y, radius, 0, 7);
         context.fillStyle = "#ffffff";
@@ -192,6 +209,123 @@ class Cells {
     }
 }
 
+// The algorithms of `wildfire map`, computed here so that a reader can change the maps. Neighbours, ties and the order of
+// floating-point operations are those of the program; `.ci/lessons` compares them with what the commands print.
+
+const CROSS_FIRST = [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [1, -1], [-1, 1], [-1, -1]];
+const WEST_FIRST = [[0, -1], [-1, 0], [0, 1], [1, 0], [-1, -1], [-1, 1], [1, 1], [1, -1]];
+
+/** The cells that legal steps lead to, in the order of the steps. */
+function stepsFrom({ rows, cols, cutsCorners }, walls, cell, steps) {
+    const [row, col] = [Math.floor(cell / cols), cell % cols];
+    const isFree = (row, col) => row >= 0 && row < rows && col >= 0 && col < cols && walls[row * cols + col] !== "1";
+    const keepsCorners = ([down, right]) => cutsCorners || (isFree(row + down, col) && isFree(row, col + right));
+    const legal = steps.filter((step) => isFree(row + step[0], col + step[1]) && keepsCorners(step));
+    return legal.map(([down, right]) => cell + down * cols + right);
+}
+
+/** Values of a front that spreads from some cells: the first value there, one more with each step, 0 beyond. */
+function front(board, walls, from, first, neighbours) {
+    const values = board.walls.map(() => 0);
+    const queue = [...from];
+    for (const cell of queue) values[cell] = first;
+    // The queue grows while it is read.
+    for (const cell of queue) {
+        for (const next of stepsFrom(board, walls, cell, CROSS_FIRST.slice(0, neighbours))) {
+            if (!values[next]) queue.push(next), (values[next] = values[cell] + 1);
+        }
+    }
+    return values;
+}
+
+/** Rows and columns between two cells. */
+function apart(a, b, cols) {
+    return [Math.floor(a / cols) - Math.floor(b / cols), (a % cols) - (b % cols)].map(Math.abs);
+}
+
+function brushfire(board, { neighbours }) {
+    const obstacles = [...board.walls.keys()].filter((cell) => board.walls[cell] === "1");
+    const values = front(board, [], obstacles, 1, neighbours);
+    return { values, order: values.map((value) => value - 1) };
+}
+
+function wavefront(board, { neighbours }) {
+    const reached = front(board, board.walls, [board.goal], 2, neighbours);
+    const values = reached.map((value, cell) => (board.walls[cell] === "1" ? 1 : value));
+    const around = (cell) => stepsFrom(board, board.walls, cell, CROSS_FIRST.slice(0, neighbours));
+    const onwards = (cell) => around(cell).find((to) => values[to] === values[cell] - 1);
+    const next = values.map((value, cell) => (value > 2 ? onwards(cell) : -1));
+    return { values, order: values.map((value) => value - 2), next };
+}
+
+function total(board, { distance = "d2", eta }) {
+    const { cols, goal, walls } = board;
+    const nearest = brushfire(board, { neighbours: 8 }).values;
+    const pull = walls.map((_, cell) => {
+        const [rows, columns] = apart(cell, goal, cols);
+        return distance === "d2" ? 0.5 * (rows * rows + columns * columns) : rows + columns;
+    });
+    const [most, q] = [Math.max(...pull), 5];
+    const push = (value) => (value === 0 || value > q ? 0 : 0.5 * eta * (1 / value - 1 / q) * (1 / value - 1 / q));
+    const values = pull.map((value, cell) => (value / most) * 10 + push(nearest[cell]));
+    const next = walls.map((wall, cell) => {
+        if (wall === "1" || cell === goal) return -1;
+        const around = stepsFrom(board, walls, cell, WEST_FIRST);
+        const lowest = around.reduce((low, to) => (values[to] < values[low] ? to : low), cell);
+        return lowest === cell ? -1 : lowest;
+    });
+    return { values, next };
+}
+
+function bestFirst(board, { command, heuristic = "zero", weight = 1, neighbours }) {
+    const { cols, start, goal, walls } = board;
+    const estimate = (cell) => {
+        const [rows, columns] = apart(cell, goal, cols);
+        const octile = Math.abs(rows - columns) + Math.min(rows, columns) * Math.SQRT2;
+        return { zero: 0, euclidean: Math.sqrt(rows * rows + columns * columns), octile, manhattan: rows + columns }[heuristic];
+    };
+    const nodes = walls.map((_, index) => ({ index, cost: Infinity, straight: 0, diagonal: 0, parent: -1, order: -1 }));
+    const open = new Set([nodes[start]]);
+    const closed = new Set();
+    Object.assign(nodes[start], { cost: 0, priority: weight * estimate(start) });
+    const isBefore = (a, b) => a.priority - b.priority || b.cost - a.cost || a.index - b.index;
+    let expanded = 0;
+    while (open.size > 0) {
+        const here = [...open].reduce((best, node) => (isBefore(node, best) < 0 ? node : best));
+        open.delete(here);
+        closed.add(here);
+        if (here.index === goal) break;
+        here.order = expanded++;
+        for (const to of stepsFrom(board, walls, here.index, CROSS_FIRST.slice(0, neighbours))) {
+            const [node, isStraight] = [nodes[to], [1, cols].includes(Math.abs(to - here.index))];
+            const cost = command === "greedy" ? 0 : here.cost + (isStraight ? 1 : Math.SQRT2);
+            if (closed.has(node) || cost >= node.cost) continue;
+            const [straight, diagonal] = [here.straight + (isStraight ? 1 : 0), here.diagonal + (isStraight ? 0 : 1)];
+            Object.assign(node, { cost, straight, diagonal, parent: here.index, priority: cost + weight * estimate(to) });
+            open.add(node);
+        }
+    }
+    const path = closed.has(nodes[goal]) ? followed(nodes.map((node) => node.parent), goal).reverse() : [];
+    // The Manhattan distance is at most the square root of 2 times the octile one.
+    const excess = heuristic === "manhattan" && neighbours === 8 ? Math.SQRT2 : 1;
+    const bound = heuristic === "zero" ? 1 : Math.max(1, weight * excess);
+    const values = nodes.map((node) => (node.cost < Infinity ? node.straight + node.diagonal * Math.SQRT2 : null));
+    const cost = path.length ? values[goal] : null;
+    const order = nodes.map((node) => node.order);
+    return { values, order, path, cost, expanded, bound: command === "greedy" ? null : bound };
+}
+
+const ALGORITHMS = { brushfire, wavefront, descend: total, astar: bestFirst, dijkstra: bestFirst, greedy: bestFirst };
+
+/** The options of a command as numbers and names. */
+function options(args) {
+    const [command, ...rest] = args.split(" ");
+    const found = { command, neighbours: 8 };
+    const value = (text) => (Number.isNaN(Number(text)) ? text : Number(text));
+    for (let i = 0; i < rest.length; i += 2) found[rest[i].slice(2)] = value(rest[i + 1]);
+    return found;
+}
+
 /** The cells from a start along the pointers of a run. */
 function followed(next, start) {
     const path = [start];
@@ -199,68 +333,167 @@ function followed(next, start) {
     return path;
 }
 
-/**
- * Runs on maps: fronts, searches and fields. `data-panes` is the number of runs side by side, `data-first` the runs that are
- * shown at first. A reader picks the start where a run has a pointer for every cell.
- */
+const place = (cell, cols, between = ",") => `${Math.floor(cell / cols)}${between}${cell % cols}`;
+
+function steps(path, cols) {
+    const diagonal = path.filter((cell, i) => i > 0 && ![1, cols].includes(Math.abs(cell - path[i - 1]))).length;
+    return `${path.length - 1} steps, length ${(path.length - 1 - diagonal + diagonal * Math.SQRT2).toFixed(3)}`;
+}
+
+/** The command that computes what a pane shows, with the map's file beside it. */
+function mapCommand(board, args) {
+    const [command, ...rest] = args.split(" ");
+    const [start, goal] = [board.start, board.goal].map((cell) => place(cell, board.cols));
+    const corners = board.cutsCorners === false ? ["--no-corner-cutting"] : [];
+    const ends = command === "brushfire" ? [] : ["--start", start, "--goal", goal, ...corners];
+    return ["wildfire map", command, board.file, ...ends, ...rest].join(" ");
+}
+
+const SAVE = "The commands compute the same on the map that is shown; save it first: ";
+
+/** Makes a link save a board's map as the text that `wildfire map` reads. */
+function saveMap(link, { cols, walls, file }) {
+    const text = [...walls].map((wall, cell) => ((cell + 1) % cols ? wall : `${wall}\n`)).join("");
+    link.href = `data:text/plain,${encodeURIComponent(text)}`;
+    link.download = link.textContent = file;
+}
+
+/** Lets a reader change a pane's board by dragging, clicks and keys; change() of the editor is called after each change. */
+function makeEditable(pane, editor) {
+    const canvas = pane.picture.canvas;
+    let [held, from, hasMoved] = [null, -1, false];
+    const board = () => editor.board;
+    const isFree = (cell) => cell >= 0 && board().walls[cell] === "0" && cell !== board().start && cell !== board().goal;
+    const cellAt = ({ clientX, clientY }) => {
+        const box = canvas.getBoundingClientRect();
+        const [col, row] = [clientX - box.left, clientY - box.top].map((at) => Math.floor(at / pane.cells.side));
+        return col >= 0 && row >= 0 && col < board().cols && row < board().rows ? row * board().cols + col : -1;
+    };
+    const itemAt = (event) => {
+        const box = canvas.getBoundingClientRect();
+        const far = (end) => {
+            const [x, y] = pane.cells.centre(board()[end]);
+            return Math.hypot(x - event.clientX + box.left, y - event.clientY + box.top);
+        };
+        const reach = Math.max(14, pane.cells.side * 0.6);
+        const ends = pane.hasEnds ? ["start", "goal"].filter((end) => far(end) < reach) : [];
+        if (ends.length) return ends.sort((a, b) => far(a) - far(b))[0];
+        return board().walls[cellAt(event)] === "1" ? "wall" : null;
+    };
+    const setWall = (cell, wall) => ((board().walls[cell] = wall), (board().file = board().changedFile));
+    const move = (what, cell) => {
+        if (!isFree(cell)) return false;
+        if (what === "wall") setWall(from, "0"), setWall((from = cell), "1");
+        else if (what === "draw") setWall(cell, "1");
+        else if (pane.hasEnds) board()[what] = cell;
+        editor.change();
+        return true;
+    };
+    // A finger on what can be dragged does not scroll the page.
+    const keep = (event) => (itemAt(event.touches[0]) || editor.tool === "draw") && event.preventDefault();
+    canvas.addEventListener("touchstart", keep, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => {
+        [held, from, hasMoved] = [itemAt(event), cellAt(event), false];
+        if (!held && editor.tool === "draw") held = move("draw", from) ? "draw" : null;
+        if (held) canvas.setPointerCapture(event.pointerId), canvas.focus();
+    });
+    canvas.addEventListener("pointermove", (event) => {
+        if (held && cellAt(event) !== from) hasMoved = move(held, cellAt(event)) || hasMoved;
+        else if (!held) canvas.style.cursor = itemAt(event) ? "grab" : "crosshair";
+    });
+    canvas.addEventListener("pointerup", (event) => {
+        if (!held && editor.tool !== "draw" && cellAt(event) === from) move(editor.tool, from);
+        if (held === "wall" && !hasMoved && editor.tool === "draw") setWall(from, "0"), editor.change();
+        held = null;
+    });
+    canvas.addEventListener("pointercancel", () => (held = null));
+    canvas.addEventListener("keydown", (event) => {
+        const by = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
+        const isDrawing = editor.tool === "draw";
+        if (!by && !(isDrawing && [" ", "Enter"].includes(event.key))) return;
+        event.preventDefault();
+        const { rows, cols, walls } = board();
+        const next = (cell) => {
+            const [row, col] = [Math.floor(cell / cols) + by[0], (cell % cols) + by[1]];
+            return row >= 0 && row < rows && col >= 0 && col < cols ? row * cols + col : -1;
+        };
+        if (!by) {
+            if (walls[editor.cursor] === "1") setWall(editor.cursor, "0"), editor.change();
+            else move("draw", editor.cursor);
+        } else if (isDrawing) {
+            const to = next(editor.cursor);
+            from = editor.cursor;
+            // With Shift a wall is taken along.
+            if (to >= 0 && (!event.shiftKey || walls[from] !== "1" || move("wall", to))) editor.cursor = to;
+            editor.paint();
+        } else {
+            // A wall in the way is jumped over.
+            let to = next(board()[editor.tool]);
+            while (to >= 0 && !isFree(to)) to = next(to);
+            move(editor.tool, to);
+        }
+    });
+}
+
+/** Runs on maps: fronts, searches and fields. `data-first` names the runs that are shown side by side at first. */
 function cellsWidget(root) {
     const isField = root.dataset.kind === "field";
-    const firsts = (root.dataset.first || "0").split(" ").map(Number);
-    let board = data.boards[0];
-    let start = board.start;
-    const panes = firsts.map((first) => {
-        const pane = { run: first, note: element("p", { class: "note", "aria-live": "off" }) };
+    const editor = {
+        tool: "start",
+        cursor: 0,
+        change: () => prepare(player.step < player.steps ? player.step : Infinity),
+        paint: () => panes.forEach((pane) => pane.picture.paint()),
+    };
+    let board = null;
+    let number = 0;
+    const panes = (root.dataset.first || "0").split(" ").map((first) => {
+        const pane = { number: Number(first), note: element("p", { class: "note" }), command: commandLine() };
         pane.picture = new Picture(1, "map", (...canvas) => draw(pane, ...canvas));
-        pane.cells = new Cells(pane.picture, board);
-        pane.choice = choice("Method", [], (run) => ((pane.run = run), prepare()));
+        Object.assign(pane.picture.canvas, { tabIndex: 0 }).setAttribute("role", "application");
+        pane.cells = new Cells(pane.picture, data.boards[0]);
+        pane.choice = choice("Method", [], (run) => ((pane.number = run), prepare(isField ? Infinity : player.step)));
         pane.choice.select.setAttribute("aria-label", "method");
-        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note);
-        const picks = (cell) => {
-            if (!board.runs[pane.run].next || board.walls[cell] === "1") return;
-            start = cell;
-            prepare(isField ? Infinity : player.step);
-        };
-        pane.picture.canvas.addEventListener("click", (event) => {
-            const { cols } = board;
-            picks(Math.floor(event.offsetY / pane.cells.side) * cols + Math.floor(event.offsetX / pane.cells.side));
-        });
-        pane.picture.canvas.addEventListener("keydown", (event) => {
-            const by = { ArrowUp: -board.cols, ArrowDown: board.cols, ArrowLeft: -1, ArrowRight: 1 }[event.key];
-            if (by === undefined || !board.runs[pane.run].next) return;
-            event.preventDefault();
-            // A wall in the way is jumped over.
-            let cell = start + by;
-            while (board.walls[cell] === "1") cell += by;
-            const isSameRow = Math.floor(cell / board.cols) === Math.floor(start / board.cols);
-            if (board.walls[cell] === "0" && (Math.abs(by) > 1 || isSameRow)) picks(cell);
-        });
+        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note, pane.command);
+        makeEditable(pane, editor);
+        for (const event of ["focus", "blur"]) pane.picture.canvas.addEventListener(event, editor.paint);
         return pane;
     });
-    const stepsOf = (pane) => {
-        const run = board.runs[pane.run];
-        return isField ? followed(run.next, start).length - 1 : 1 + Math.max(...run.order);
-    };
+    const stepsOf = ({ run }) => (isField ? followed(run.next, board.start).length - 1 : 1 + Math.max(-1, ...run.order));
     const player = new Player(Number(root.dataset.seconds || 6), () => panes.forEach((pane) => (pane.picture.paint(), note(pane))));
+    const link = element("a", {});
 
-    function prepare(step = 0) {
+    function open() {
+        const { file, walls } = data.boards[number];
+        board = { ...data.boards[number], walls: [...walls], changedFile: `my-${file}`, cutsCorners: corners.checked };
+        [editor.board, editor.cursor] = [board, board.start];
+        prepare(isField ? Infinity : 0);
+    }
+
+    function prepare(step) {
+        saveMap(link, board);
         for (const pane of panes) {
+            const names = board.runs.map((run) => run.name);
+            pane.number = Math.min(pane.number, names.length - 1);
+            pane.choice.select.replaceChildren(...names.map((name, value) => element("option", { value: String(value) }, name)));
+            pane.choice.select.value = String(pane.number);
+            const { args } = board.runs[pane.number];
+            pane.run = ALGORITHMS[options(args).command](board, options(args));
+            pane.hasEnds = options(args).command !== "brushfire";
+            showCommand(pane.command, mapCommand(board, args));
             pane.cells.board = board;
             pane.picture.aspect = board.rows / board.cols;
-            const names = board.runs.map((run) => run.name);
-            pane.run = Math.min(pane.run, names.length - 1);
-            pane.choice.select.replaceChildren(...names.map((name, value) => element("option", { value: String(value) }, name)));
-            pane.choice.select.value = String(pane.run);
-            const run = board.runs[pane.run];
-            pane.most = Math.max(...run.values.filter((value, cell) => value !== null && (!isField || board.walls[cell] === "0")));
-            pane.picture.canvas.setAttribute("aria-label", `${board.name}: ${run.name}`);
-            if (run.next) pane.picture.canvas.tabIndex = 0;
-            else pane.picture.canvas.removeAttribute("tabindex");
+            const isScaled = (value, cell) => value !== null && (!isField || board.walls[cell] === "0");
+            pane.most = Math.max(1, ...pane.run.values.filter(isScaled));
+            const label = `${board.name}: ${names[pane.number]}. Arrow keys move what is chosen under Edit.`;
+            pane.picture.canvas.setAttribute("aria-label", label);
+            // In this mode a finger draws; else it scrolls the page.
+            pane.picture.canvas.style.touchAction = editor.tool === "draw" ? "none" : "manipulation";
         }
         player.reset(Math.max(...panes.map(stepsOf)), step);
     }
 
     function draw(pane, context, width, height) {
-        const run = board.runs[pane.run];
+        const run = pane.run;
         const [step, cells] = [player.step, pane.cells];
         const isSeen = (cell) => isField || (run.order[cell] >= 0 && run.order[cell] < step);
         const share = (cell) => run.values[cell] / pane.most;
@@ -268,55 +501,75 @@ function cellsWidget(root) {
         if (!isField && !run.path) {
             cells.numbers(context, (cell) => isSeen(cell) && [run.values[cell], board.walls[cell] === "1" || share(cell) < 0.6 ? "#ffffff" : "#202024"]);
         }
-        if (isField) {
-            const path = followed(run.next, start).slice(0, step + 1);
-            cells.line(context, path.map((cell) => cells.centre(cell)), css("--path"));
+        const path = (run.path || (run.next ? followed(run.next, board.start) : [])).slice(0, isField ? step + 1 : undefined);
+        if (isField || step >= stepsOf(pane)) cells.line(context, path.map((cell) => cells.centre(cell)), css("--path"));
+        if (pane.hasEnds) {
             const end = path.at(-1);
-            if (run.next[end] < 0 && end !== board.goal) cells.mark(context, end, "!");
-        } else if (step >= stepsOf(pane)) {
-            const path = run.path || (run.next ? followed(run.next, start) : []);
-            cells.line(context, path.map((cell) => cells.centre(cell)), css("--path"));
-        }
-        if (run.next || run.path) {
+            if (isField && !run.order && run.next[end] < 0 && end !== board.goal) cells.mark(context, end, "!");
             cells.mark(context, board.goal, "G");
-            cells.mark(context, start, "S");
+            cells.mark(context, board.start, "S");
+        }
+        if (editor.tool === "draw" && document.activeElement === pane.picture.canvas) {
+            const [x, y] = cells.centre(editor.cursor);
+            context.strokeStyle = css("--path");
+            context.lineWidth = 2.5;
+            context.strokeRect(x - cells.side / 2, y - cells.side / 2, cells.side, cells.side);
         }
     }
 
     function note(pane) {
-        const run = board.runs[pane.run];
-        const step = Math.min(player.step, stepsOf(pane));
+        const run = pane.run;
+        const [last, step] = [stepsOf(pane), Math.min(player.step, stepsOf(pane))];
+        const free = board.walls.filter((wall) => wall === "0").length;
+        const path = run.path || (run.next ? followed(run.next, board.start) : []);
+        const none = "No path leads from S to G";
+        const row = (cell) => `row ${place(cell, board.cols, ", column ")}`;
+        let text = "";
         if (isField) {
-            const path = followed(run.next, start);
-            const end = path.at(-1) === board.goal ? "reaches the goal" : "gets stuck in a local minimum (!)";
-            pane.note.textContent = `From S the descent ${end}. It reaches the goal from ${run.reached} of ${run.free} free cells.`;
+            const isReached = (wall, cell) => wall === "0" && followed(run.next, cell).at(-1) === board.goal;
+            const reached = board.walls.filter(isReached).length;
+            const failed = run.order ? none : `Stuck at ${row(path.at(-1))} (!)`;
+            const end = path.at(-1) === board.goal ? "Reached the goal" : failed;
+            text = step < last ? `Step ${step} of ${last}: at ${row(path[step])}.` : `${end}: ${steps(path, board.cols)}.`;
+            text += ` The goal is reached from ${reached} of ${free} free cells.`;
         } else if (run.expanded === undefined) {
             const isShown = (cell) => run.order[cell] >= 0 && run.order[cell] < step && board.walls[cell] === "0";
             const shown = run.values.filter((_, cell) => isShown(cell));
             const largest = shown.length ? `; the largest is ${Math.max(...shown)}` : "";
-            pane.note.textContent = `Step ${step} of ${stepsOf(pane)}: ${shown.length} free cells have a value${largest}.`;
+            text = `Step ${step} of ${last}: ${shown.length} of ${free} free cells have a value${largest}.`;
+            const end = path.at(-1) === board.goal ? `Path: ${steps(path, board.cols)}` : none;
+            if (step === last && run.next) text += ` ${end}.`;
         } else {
-            const least = board.runs[0].cost;
-            const excess = (100 * (run.cost / least - 1)).toFixed(1);
-            const length = run.cost - least < 1e-6 ? "shortest possible" : `${excess} % longer than the shortest`;
-            const bound = run.bound === null ? "no bound" : `bound ${run.bound.toFixed(2)}`;
-            const end = step < run.expanded ? "" : ` Path length ${run.cost.toFixed(2)}: ${length} (${bound}).`;
-            pane.note.textContent = `${step} cells expanded.${end}`;
+            text = `${step} cells expanded.`;
+            if (step === last && run.cost === null) text += ` ${none}.`;
+            else if (step === last) {
+                const { neighbours } = options(board.runs[pane.number].args);
+                const least = bestFirst(board, { command: "dijkstra", neighbours }).cost;
+                const excess = `${(100 * (run.cost / least - 1)).toFixed(1)} % longer than the shortest`;
+                const length = run.cost - least < 1e-6 ? "shortest possible" : excess;
+                const bound = run.bound === null ? "no bound" : `bound ${run.bound.toFixed(2)}`;
+                text += ` Path: ${steps(path, board.cols)}; ${length} (${bound}).`;
+            }
         }
+        pane.note.textContent = text;
     }
 
-    const boards = choice("Map", data.boards.map((other) => other.name), (value) => {
-        board = data.boards[value];
-        start = board.start;
-        prepare(isField ? Infinity : 0);
-    });
+    const boards = choice("Map", data.boards.map((other) => other.name), (value) => ((number = value), open()));
+    const tools = ["start", "goal", "draw"];
+    const tool = choice("Edit", ["start S", "goal G", "walls"], (value) => ((editor.tool = tools[value]), prepare(player.step)));
+    const corners = element("input", { type: "checkbox", checked: true });
+    corners.addEventListener("change", () => ((board.cutsCorners = corners.checked), editor.change()));
+    const again = element("button", { type: "button" }, "Reset map");
+    again.addEventListener("click", open);
     const signs = [[css("--wall"), "obstacle"], [colour(0), "low value"], [colour(1), "high value"], [css("--path"), "path"]];
     root.prepend(
-        element("div", { class: "bar" }, boards.label, ...player.controls),
+        element("div", { class: "bar" }, boards.label, tool.label, again, element("label", {}, corners, " cut corners")),
+        element("div", { class: "bar" }, ...player.controls),
         element("div", { class: "panes" }, ...panes.map((pane) => pane.element)),
         legend(signs),
     );
-    prepare(isField ? Infinity : 0);
+    root.append(element("p", { class: "hint" }, SAVE, link, "."));
+    open();
 }
 
 // Trees and roadmaps.
@@ -324,14 +577,15 @@ function cellsWidget(root) {
 function treesWidget(root) {
     let board = data.boards[0];
     const panes = (root.dataset.first || "0").split(" ").map((first) => {
-        const pane = { run: Number(first), note: element("p", { class: "note" }) };
+        const pane = { run: Number(first), note: element("p", { class: "note" }), command: commandLine() };
         pane.picture = new Picture(1, "tree", (...canvas) => draw(pane, ...canvas));
         pane.cells = new Cells(pane.picture, board);
         pane.choice = choice("Method", board.runs.map((run) => run.name), (run) => ((pane.run = run), player.reset(board.runs[0].stages.length, player.step)));
         pane.choice.select.value = first;
-        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note);
+        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note, pane.command);
         return pane;
     });
+    const link = element("a", {});
     const player = new Player(3, () => panes.forEach((pane) => (pane.picture.paint(), note(pane))));
     const stage = (pane) => board.runs[pane.run].stages[player.step - 1];
 
@@ -357,10 +611,12 @@ function treesWidget(root) {
 
     function note(pane) {
         const shown = stage(pane);
-        if (!shown) return (pane.note.textContent = "No samples yet.");
-        const path = shown.cost === null ? "no path yet" : `path length ${shown.cost.toFixed(1)}`;
-        pane.note.textContent = `Up to ${shown.samples} samples: ${shown.points.length} points, ${path}. Theta* needs ${board.costs.reference.toFixed(1)}.`;
-        return undefined;
+        const path = !shown || shown.cost === null ? "no path yet" : `path length ${shown.cost.toFixed(2)}`;
+        const graph = shown && `${shown.points.length} points and ${shown.edges.length} edges, ${path}`;
+        const theta = `Theta* needs ${board.costs.reference.toFixed(2)}`;
+        pane.note.textContent = shown ? `At most ${shown.samples} samples: ${graph}. ${theta}.` : "No samples yet.";
+        const { args, stages } = board.runs[pane.run];
+        showCommand(pane.command, `${mapCommand(board, args)} --samples ${(shown || stages[0]).samples}`);
     }
 
     const boards = choice("Map", data.boards.map((other) => other.name), (value) => {
@@ -372,8 +628,10 @@ function treesWidget(root) {
             pane.cells.board = board;
             pane.picture.aspect = board.rows / board.cols;
         }
+        saveMap(link, board);
         player.reset(board.runs[0].stages.length, 4);
     }
+    root.append(element("p", { class: "hint" }, SAVE, link, "."));
     root.prepend(
         element("div", { class: "bar" }, boards.label, ...player.controls),
         element("div", { class: "panes" }, ...panes.map((pane) => pane.element)),
@@ -384,19 +642,20 @@ function treesWidget(root) {
 
 /** The cost of RRT* over the number of samples, one line for each seed; the seeds appear one by one. */
 function costsWidget(root) {
-    let costs = data.boards[0].costs;
+    let board = data.boards[0];
+    let costs = board.costs;
+    const command = commandLine();
     const picture = new Picture(0.5, "path length over the number of samples", (context, width, height) => {
-        const all = costs.seeds.flat().filter((cost) => cost !== null);
-        const [low, high] = [costs.reference * 0.95, Math.max(...all) * 1.02];
+        const all = costs.seeds.flat().concat([costs.reference]).filter((cost) => cost !== null);
+        const rounded = ticks(Math.min(...all), Math.max(...all));
+        const unit = rounded[1][0] - rounded[0][0];
+        const [low, high] = [Math.floor(Math.min(...all) / unit) * unit, Math.ceil(Math.max(...all) / unit) * unit];
         const [left, bottom] = [46, height - 36];
         const x = (i) => left + ((width - left - 16) * i) / (costs.samples.length - 1);
         const y = (cost) => bottom - ((bottom - 12) * (cost - low)) / (high - low);
-        axes(context, { left, bottom, width, ticks: costs.samples.map((n, i) => [x(i), n]), title: "samples" });
+        axes(context, { left, bottom, width, marks: costs.samples.map((n, i) => [x(i), n]), title: "samples" });
         context.textAlign = "right";
-        for (let i = 0; i < 5; i++) {
-            const cost = low + ((high - low) * (i + 0.5)) / 5;
-            context.fillText(cost.toFixed(1), left - 6, y(cost) + 4);
-        }
+        for (const [cost, text] of ticks(low, high, 10)) context.fillText(text, left - 6, y(cost) + 4);
         const line = (points, style, thick) => Cells.prototype.line(context, points, style, thick);
         line([[left, y(costs.reference)], [width - 16, y(costs.reference)]], css("--good"), 2);
         costs.seeds.slice(0, player.step).forEach((seed, number) => {
@@ -408,19 +667,23 @@ function costsWidget(root) {
     const player = new Player(4, (step) => {
         picture.paint();
         const seed = costs.seeds[step - 1];
-        const found = seed && seed.find((cost) => cost !== null);
-        note.textContent = seed ? `Seed ${step}: from ${found} to ${seed.at(-1)}; Theta* needs ${costs.reference}.` : "Play adds one seed after another.";
+        const first = seed && seed.findIndex((cost) => cost !== null);
+        const [least, most] = [costs.samples[first], costs.samples.at(-1)];
+        const found = seed && `${seed[first].toFixed(2)} with ${least} samples, ${seed.at(-1).toFixed(2)} with ${most}`;
+        const theta = `Theta* needs ${costs.reference.toFixed(2)}`;
+        note.textContent = seed ? `Seed ${step}: path length ${found}. ${theta}.` : "Play adds one seed after another.";
+        showCommand(command, `${mapCommand(board, "rrt-star")} --seed ${Math.max(1, step)} --samples ${most}`);
     });
-    const boards = choice("Map", data.boards.map((board) => board.name), (value) => {
-        costs = data.boards[value].costs;
+    const boards = choice("Map", data.boards.map((other) => other.name), (value) => {
+        [board, costs] = [data.boards[value], data.boards[value].costs];
         player.reset(costs.seeds.length);
     });
-    root.prepend(element("div", { class: "bar" }, boards.label, ...player.controls), element("div", { class: "pane" }, picture.canvas), note,
+    root.prepend(element("div", { class: "bar" }, boards.label, ...player.controls), element("div", { class: "pane" }, picture.canvas), note, command,
         legend([[css("--path"), "this seed"], [css("--muted"), "other seeds"], [css("--good"), "Theta*"]]));
     player.reset(costs.seeds.length, 4);
 }
 
-function axes(context, { left, bottom, width, ticks, title }) {
+function axes(context, { left, bottom, width, marks, title }) {
     context.strokeStyle = css("--muted");
     context.fillStyle = css("--muted");
     context.lineWidth = 1;
@@ -431,7 +694,10 @@ function axes(context, { left, bottom, width, ticks, title }) {
     context.stroke();
     context.textAlign = "center";
     context.textBaseline = "alphabetic";
-    for (const [x, text] of ticks) context.fillText(text, x, bottom + 15);
+    for (const [x, text] of marks) {
+        context.fillText(text, x, bottom + 15);
+        context.fillRect(x - 0.5, bottom, 1, 4);
+    }
     context.fillText(title, (left + width) / 2, bottom + 31);
 }
 
@@ -457,11 +723,12 @@ function curvesWidget(root) {
         return all;
     };
     const panes = kinds.map(([kind, name]) => {
-        const pane = { kind, note: element("p", { class: "note" }) };
+        const pane = { kind, name: name.split(" ")[0], note: element("p", { class: "note" }) };
         pane.picture = new Picture(0.85, name, (...canvas) => draw(pane, ...canvas));
         pane.element = element("div", { class: "pane" }, element("strong", {}, name), pane.picture.canvas, pane.note);
         return pane;
     });
+    const command = commandLine();
     const player = new Player(6, () => panes.forEach((pane) => pane.picture.paint()));
     function car(context, [x, y, heading], scale, style) {
         context.save();
@@ -471,12 +738,12 @@ function curvesWidget(root) {
         context.strokeStyle = style;
         // Rear axle at the origin: 5 m by 2.2 m, the nose ahead.
         context.strokeRect(-1 * scale, -1.1 * scale, 5 * scale, 2.2 * scale);
+        // A slender arrow along the car.
         context.beginPath();
-        context.moveTo(4 * scale, 0);
-        context.lineTo(2.4 * scale, -0.9 * scale);
-        context.lineTo(2.4 * scale, 0.9 * scale);
-        context.fillStyle = style;
-        context.fill();
+        context.moveTo(-0.4 * scale, 0);
+        context.lineTo(3.4 * scale, 0);
+        for (const side of [-1, 1]) context.moveTo(3.4 * scale, 0), context.lineTo(2.3 * scale, side * 0.42 * scale);
+        context.stroke();
         context.restore();
     }
     function draw(pane, context, width, height) {
@@ -504,9 +771,11 @@ function curvesWidget(root) {
         for (const pane of panes) {
             const curve = goal.turns[turn][pane.kind];
             pane.poses = poses(curve);
-            const word = pane.kind === "dubins" ? curve.word : curve.word.replaceAll("-", "−");
-            pane.note.textContent = `${curve.length.toFixed(1)} m, word ${word}. A holonomic robot needs ${Math.hypot(goal.x, goal.y).toFixed(1)} m.`;
+            const word = curve.word ? `, ${curve.word}` : "";
+            const straight = Math.hypot(goal.x, goal.y).toFixed(2);
+            pane.note.textContent = `${pane.name}: ${curve.length.toFixed(2)} m${word}. A holonomic robot needs ${straight} m.`;
         }
+        showCommand(command, `wildfire curve --from 0,0,0 --to ${goal.x},${goal.y},${turn * data.degrees} --radius ${data.radius}`);
         heading.nextElementSibling.textContent = `${turn * data.degrees}°`;
         player.reset(120, player.step);
     }
@@ -517,6 +786,7 @@ function curvesWidget(root) {
         element("div", { class: "bar" }, goals.label, element("label", {}, "Heading ", heading, element("output", {}))),
         element("div", { class: "bar" }, ...player.controls),
         element("div", { class: "panes" }, ...panes.map((pane) => pane.element)),
+        command,
         legend([[css("--focus"), "forward"], [css("--path"), "reverse"], [css("--good"), "goal"], [css("--muted"), "start, straight line"]]),
     );
     prepare();
@@ -553,9 +823,8 @@ function growingWidget(root) {
         const span = Math.max(...metric.differences.map(Math.abs)) * 1.05;
         const bottom = height - 36;
         const x = (value) => width / 2 + (value / span) * (width / 2 - 16);
-        const unit = Number((span / 2.4).toPrecision(1));
-        const ticks = [-2, -1, 0, 1, 2].map((times) => [x(times * unit), signed(times * unit)]);
-        axes(context, { left: 8, bottom, width, ticks, title: `difference per pair, B − A (${metric.unit})` });
+        const marks = ticks(-span, span, width > 600 ? 12 : 6).map(([value, text]) => [x(value), text]);
+        axes(context, { left: 8, bottom, width, marks, title: `difference per pair, B − A (${metric.unit})` });
         Cells.prototype.line(context, [[x(0), 8], [x(0), bottom]], css("--faint"), 1.5);
         const stacks = {};
         const dot = width > 600 ? 10 : 6;
@@ -580,7 +849,9 @@ function growingWidget(root) {
         picture.paint();
         const { mean, low, high } = interval(metric.differences.slice(0, n));
         const verdict = low > 0 || high < 0 ? "0 is outside: B and A differ." : "0 is inside: no evidence of a difference.";
-        note.textContent = n < 2 ? `${n} pairs: an interval needs at least 2.` : `${n} pairs: mean ${signed(mean)}, 95 % interval ${signed(low)} to ${signed(high)} ${metric.unit}, width ${(high - low).toFixed(1)}. ${verdict}`;
+        const ends = `${signed(low)} to ${signed(high)} ${metric.unit}, width ${(high - low).toFixed(1)}`;
+        const found = `mean ${signed(mean)}, 95 % interval (Student's t) ${ends}. ${verdict}`;
+        note.textContent = `${n} pairs: ${n < 2 ? "an interval needs at least 2." : found}`;
     });
     const more = element("button", { type: "button" }, "Add 5 seeds");
     more.addEventListener("click", () => player.go(player.step + 5));
@@ -604,14 +875,17 @@ function missesWidget(root) {
         const shown = intervals.slice(0, player.step);
         const reach = Math.max(...intervals.map(({ low, high }) => Math.max(truth() - low, high - truth())));
         const x = (value) => width / 2 + ((value - truth()) / reach) * (width / 2 - 12);
+        const bottom = height - 36;
+        const marks = ticks(truth() - reach, truth() + reach, width > 600 ? 10 : 6).map(([value, text]) => [x(value), text]);
+        axes(context, { left: 8, bottom, width, marks, title: `difference per pair, B − A (${metric.unit})` });
         shown.forEach(({ mean, low, high }, i) => {
-            const y = 8 + ((height - 16) * i) / intervals.length;
+            const y = 8 + ((bottom - 12) * i) / intervals.length;
             const style = low > truth() || high < truth() ? css("--bad") : css("--muted");
             Cells.prototype.line(context, [[x(low), y], [x(high), y]], style, style === css("--bad") ? 2.5 : 1);
             context.fillStyle = style;
             context.fillRect(x(mean) - 1.5, y - 1.5, 3, 3);
         });
-        Cells.prototype.line(context, [[width / 2, 2], [width / 2, height - 2]], css("--good"), 2);
+        Cells.prototype.line(context, [[width / 2, 2], [width / 2, bottom]], css("--good"), 2);
     });
     const player = new Player(5, (step) => {
         picture.paint();
@@ -649,11 +923,11 @@ function fleetWidget(root) {
     const trucks = ["#0072b2", "#cc79a7", "#009e73"];
     const states = ["#7cb342", "#e65100", "#776d68", "#29b6f6"];
     const panes = (root.dataset.first || "0 3").split(" ").map((first) => {
-        const pane = { policy: data.policies[Number(first)], note: element("p", { class: "note" }) };
+        const pane = { policy: data.policies[Number(first)], note: element("p", { class: "note" }), command: commandLine() };
         pane.picture = new Picture(1, "field", (...canvas) => draw(pane, ...canvas));
         pane.choice = choice("Policy", data.policies.map((policy) => policy.name), (value) => ((pane.policy = data.policies[value]), player.go(player.step)));
         pane.choice.select.value = first;
-        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note);
+        pane.element = element("div", { class: "pane" }, pane.choice.label, pane.picture.canvas, pane.note, pane.command);
         return pane;
     });
     const player = new Player(30, () => panes.forEach((pane) => (pane.picture.paint(), note(pane))));
@@ -700,7 +974,11 @@ function fleetWidget(root) {
         const now = stateAt(pane.policy.films[film], player.step * data.step);
         const count = (state) => now.filter((other) => other === state).length;
         const second = player.step * data.step;
-        pane.note.textContent = `${Math.floor(second / 60)}:${String(second % 60).padStart(2, "0")} min: ${count(1)} burning, ${count(3)} extinguished, ${count(2)} burned out; ${count(0) + count(3)} of ${now.length} saved so far.`;
+        const clock = `${Math.floor(second / 60)}:${String(second % 60).padStart(2, "0")} min`;
+        const counts = `${count(1)} burning, ${count(3)} extinguished, ${count(2)} burned out`;
+        pane.note.textContent = `${clock}: ${counts}, ${count(0)} of ${now.length} intact.`;
+        const settings = `--set dispatch.policy=${pane.policy.name} --set duration_s=${data.duration}`;
+        showCommand(pane.command, `wildfire run fleet --seed ${film + 1} ${settings}`);
     }
     const films = choice("Seed", data.policies[0].films.map((_, i) => String(i + 1)), (value) => ((film = value), player.go(0)));
     root.prepend(

@@ -71,6 +71,7 @@ use export::ExportArguments;
 use fire::FireCommand;
 use fork::ForkArguments;
 use judge::JudgeArguments;
+use lessons::LessonsArguments;
 use map::MapCommand;
 use map_of::MapOfArguments;
 use page::PageArguments;
@@ -129,6 +130,8 @@ pub enum Command {
     Play(PlayArguments),
     /// Write a page that computes runs in a browser: watch them, or play the arsonist or the dispatcher.
     Page(PageArguments),
+    /// Write seven interactive lessons for a course, with questions, and their index.
+    Lessons(LessonsArguments),
     /// Draw a run without a screen: a still, a GIF, an MP4.
     Render(RenderArguments),
     /// Export a run to other tools: JSON, NumPy arrays, MCAP for Foxglove, CSV.
@@ -236,6 +239,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
         Command::Play(play) => play::run(play, &context.with_programs(&play.show.programs)),
         Command::Page(page) => page::run(page, arguments.quiet),
+        Command::Lessons(lessons) => lessons::write(&lessons.folder, arguments.quiet).map(|()| ExitCode::SUCCESS),
         Command::Render(render) => render::run(render, &context.with_programs(&render.show.programs)),
         Command::Export(export) => export::run(export, &context.with_programs(&export.programs)),
         Command::Batch(batch) => batch::run(batch, &context.with_programs(&batch.programs)),

@@ -27,7 +27,6 @@ Examples:
   wildfire page -o play.html
   wildfire page fleet --seed 7 --side unimog -o dispatcher.html
   wildfire page --game game.json -o game.html
-  wildfire page --lessons lessons
 
 The page contains the program as a WebAssembly module. To build the module from changed sources:
   rustup target add wasm32-unknown-unknown
@@ -51,7 +50,7 @@ pub struct PageArguments {
     /// Output file.
     #[arg(short, long, value_name = "FILE.html", required_unless_present = "lessons")]
     pub out: Option<PathBuf>,
-    /// Write seven lessons and their index to this folder instead.
+    /// Write seven lessons and their index to this folder instead, as `wildfire lessons` does.
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["out", "scenario", "seed", "sides", "game", "module"])]
     pub lessons: Option<PathBuf>,
 }

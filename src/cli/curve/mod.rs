@@ -1,6 +1,6 @@
 //! `wildfire curve`: the shortest curves of a turning radius between two poses, or between many pairs.
 
-mod report;
+pub mod report;
 mod tables;
 
 use std::ops::RangeInclusive;

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use super::short;
+use crate::cli::curve::report::{dubins_word, reeds_shepp_word};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dubins, ReedsShepp, Segment};
 
@@ -25,21 +26,17 @@ pub fn curves() -> Value {
             .step_by(DEGREES)
             .map(|degrees| {
                 let to = Pose::new(x, y, (degrees as f64).to_radians());
-                let with_reverse = ReedsShepp { radius_m: RADIUS_M }.shortest(from, to);
+                let reverse = ReedsShepp { radius_m: RADIUS_M }.shortest(from, to);
                 let forward = Dubins { radius_m: RADIUS_M }.shortest(from, to);
                 json!({
-                    "reeds_shepp": curve(&with_reverse.word.to_string(), with_reverse.length_m, with_reverse.segments()),
-                    "dubins": curve(&forward.word.to_string(), forward.length_m, forward.segments()),
+                    "reeds_shepp": curve(&reeds_shepp_word(&reverse), reverse.length_m, reverse.segments()),
+                    "dubins": curve(&dubins_word(&forward), forward.length_m, forward.segments()),
                 })
             })
             .collect();
         json!({"name": name, "x": x, "y": y, "turns": turns})
     });
-    let [beside, ..] = &goals;
-    let [reeds_shepp, dubins] = ["reeds_shepp", "dubins"]
-        .map(|name| format!("{:.1}", beside["turns"][0][name]["length"].as_f64().unwrap_or(0.0)));
-    let beside = json!({"reeds_shepp": reeds_shepp, "dubins": dubins});
-    json!({"radius": RADIUS_M, "degrees": DEGREES, "goals": goals, "beside": beside})
+    json!({"radius": RADIUS_M, "degrees": DEGREES, "goals": goals})
 }
 
 /// A curve; its segments are curvatures in 1/m and lengths in metres, negative in reverse.

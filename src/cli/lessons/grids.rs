@@ -6,11 +6,10 @@ use super::short;
 use wildfire_grid::brushfire::brushfire;
 use wildfire_grid::descent::{Descent, descend};
 use wildfire_grid::path_search::{Heuristic, SearchOrder, search_best_first, theta_star};
-use wildfire_grid::potential::{Attraction, Repulsion, RepulsionDistance, attraction, total};
+use wildfire_grid::potential::{Attraction, Repulsion, attraction, total};
 use wildfire_grid::sampling::{PointGraph, PrmSettings, RrtSettings, TreeKind, grow_tree, probabilistic_roadmap};
 use wildfire_grid::segment::GridPoint;
-use wildfire_grid::wavefront::{descend_wavefront, wavefront};
-use wildfire_grid::{Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
+use wildfire_grid::{Connectivity, CornerCutting, Grid, Place};
 
 /// As the commands of `wildfire map` do unless told otherwise, so that they print the numbers of the lessons.
 const CORNERS: CornerCutting = CornerCutting::Allowed;
@@ -18,38 +17,42 @@ const CORNERS: CornerCutting = CornerCutting::Allowed;
 /// A map with a start and a goal.
 struct LessonMap {
     name: &'static str,
+    /// The name under which the page saves the map, and which its commands read.
+    file: &'static str,
     occupied: Grid<bool>,
     start: Place,
     goal: Place,
 }
 
 impl LessonMap {
-    fn new(name: &'static str, text: &str, start: Place, goal: Place) -> Self {
+    fn new(name: &'static str, file: &'static str, text: &str, start: Place, goal: Place) -> Self {
         let rows: Vec<&str> = text.lines().collect();
         let cells = rows.iter().flat_map(|row| row.bytes().map(|cell| cell == b'1')).collect();
-        Self { name, occupied: Grid::from_values(rows.len(), rows[0].len(), cells), start, goal }
+        Self { name, file, occupied: Grid::from_values(rows.len(), rows[0].len(), cells), start, goal }
     }
 
     fn basic() -> Self {
         let text = include_str!("../../../assets/maps/basic-14x20.txt");
-        Self::new("small rocks", text, (12, 1), (2, 19))
+        Self::new("small rocks", "basic-14x20.txt", text, (12, 1), (2, 19))
     }
 
     fn trap() -> Self {
-        Self::new("U-shaped trap", include_str!("../../../assets/maps/u-trap.txt"), (10, 2), (10, 27))
+        let text = include_str!("../../../assets/maps/u-trap.txt");
+        Self::new("U-shaped trap", "u-trap.txt", text, (10, 2), (10, 27))
     }
 
     fn rooms() -> Self {
-        Self::new("two rooms", include_str!("../../../assets/maps/two-rooms.txt"), (2, 3), (2, 27))
+        let text = include_str!("../../../assets/maps/two-rooms.txt");
+        Self::new("two rooms", "two-rooms.txt", text, (2, 3), (2, 27))
     }
 
     fn maze() -> Self {
-        Self::new("maze", include_str!("../../../assets/maps/maze.txt"), (1, 1), (19, 29))
+        Self::new("maze", "maze.txt", include_str!("../../../assets/maps/maze.txt"), (1, 1), (19, 29))
     }
 
     fn open() -> Self {
         let occupied = Grid::filled(14, 20, false);
-        Self { name: "open field, 4 neighbours", occupied, start: (11, 3), goal: (3, 16) }
+        Self { name: "open field, 4 neighbours", file: "open-14x20.txt", occupied, start: (11, 3), goal: (3, 16) }
     }
 
     /// The map, and what was computed on it.
@@ -57,6 +60,7 @@ impl LessonMap {
         let walls: String = self.occupied.values().iter().map(|&wall| if wall { '1' } else { '0' }).collect();
         json!({
             "name": self.name,
+            "file": self.file,
             "rows": self.occupied.rows(),
             "cols": self.occupied.cols(),
             "walls": walls,
@@ -74,51 +78,21 @@ impl LessonMap {
         let places = (0..self.occupied.rows()).flat_map(|row| (0..self.occupied.cols()).map(move |col| (row, col)));
         places.filter(|&place| !self.occupied[place])
     }
-
-    /// The cell that a path goes to from every cell, or -1.
-    fn next(&self, path: impl Fn(Place) -> Vec<Place>) -> Vec<i64> {
-        let mut next = vec![-1; self.occupied.values().len()];
-        for place in self.free() {
-            if let Some(&to) = path(place).get(1) {
-                next[self.index(place)] = self.index(to) as i64;
-            }
-        }
-        next
-    }
-
-    fn wave(&self, connectivity: Connectivity) -> (Grid<u32>, Vec<i64>) {
-        let steps = wavefront(&self.occupied, self.goal, connectivity, CORNERS).expect("the goal is free");
-        let next =
-            self.next(|place| match descend_wavefront(&steps, place, connectivity, CORNERS, TieOrder::CrossFirst) {
-                Route::Found(path) => path,
-                _ => Vec::new(),
-            });
-        (steps, next)
-    }
 }
 
-/// Brushfire and wavefront: the value of every cell, which is also the step in which the front comes to it.
+/// Brushfire and wavefront, which the page computes.
 pub fn fronts() -> Value {
-    let boards = [LessonMap::basic(), LessonMap::trap(), LessonMap::rooms()].map(fronts_of);
+    let runs = ["brushfire", "wavefront"].map(|command| {
+        [4, 8].map(|neighbours| {
+            let name = format!("{command}, {neighbours} neighbours");
+            json!({"name": name, "args": format!("{command} --neighbours {neighbours}")})
+        })
+    });
+    let boards = [LessonMap::basic(), LessonMap::trap(), LessonMap::rooms()].map(|board| board.data(runs.concat()));
     json!({"boards": boards})
 }
 
-fn fronts_of(board: LessonMap) -> Value {
-    let mut runs = Vec::new();
-    for (number, connectivity) in [(4, Connectivity::Four), (8, Connectivity::Eight)] {
-        let fire = brushfire(&board.occupied, connectivity).expect("the map has obstacles");
-        let order: Vec<i64> = fire.values().iter().map(|&value| i64::from(value) - 1).collect();
-        let name = format!("brushfire, {number} neighbours");
-        runs.push(json!({"name": name, "values": fire.values(), "order": order}));
-        let (steps, next) = board.wave(connectivity);
-        let order: Vec<i64> = steps.values().iter().map(|&value| i64::from(value) - 2).collect();
-        let name = format!("wavefront, {number} neighbours");
-        runs.push(json!({"name": name, "values": steps.values(), "order": order, "next": next}));
-    }
-    board.data(runs)
-}
-
-/// A*, Dijkstra's search, greedy and weighted searches: in which step each cell was expanded, and its cost.
+/// A*, Dijkstra's search, greedy and weighted searches, which the page computes, and their numbers for the text.
 pub fn searches() -> Value {
     use Heuristic::{Euclidean, Manhattan, Octile};
     let eight = [
@@ -157,19 +131,9 @@ fn searches_of(board: LessonMap, connectivity: Connectivity, orders: &[(&str, Se
     let runs = orders.iter().map(|&(name, order)| {
         let ends = (board.start, board.goal);
         let found = search_best_first(&board.occupied, ends, order, connectivity, CORNERS).expect("both ends are free");
-        let mut steps = vec![-1; board.occupied.values().len()];
-        for (step, &cell) in found.expanded.iter().enumerate() {
-            steps[cell as usize] = step as i64;
-        }
-        let Route::Found(path) = &found.route else { unreachable!("the goal of {} can be reached", board.name) };
-        let path: Vec<usize> = path.iter().map(|&place| board.index(place)).collect();
-        // Infinite costs become null.
-        let values: Vec<f64> = found.costs.values().iter().map(|&cost| short(cost, 1)).collect();
         json!({
             "name": name,
-            "values": values,
-            "order": steps,
-            "path": path,
+            "args": search_args(order, connectivity),
             "cost": found.cost.map(|cost| short(cost, 3)),
             "bound": order.cost_bound(connectivity),
             "expanded": found.expanded.len(),
@@ -178,7 +142,19 @@ fn searches_of(board: LessonMap, connectivity: Connectivity, orders: &[(&str, Se
     board.data(runs.collect())
 }
 
-/// Potentials, and where a descent goes from every cell.
+/// The options of `wildfire map` for a search.
+fn search_args(order: SearchOrder, connectivity: Connectivity) -> String {
+    let args = match order {
+        SearchOrder::Dijkstra => "dijkstra".to_owned(),
+        SearchOrder::AStar { heuristic, weight: 1.0 } => format!("astar --heuristic {heuristic:?}"),
+        SearchOrder::AStar { heuristic, weight } => format!("astar --heuristic {heuristic:?} --weight {weight}"),
+        SearchOrder::Greedy { heuristic } => format!("greedy --heuristic {heuristic:?}"),
+    };
+    let neighbours = if connectivity == Connectivity::Four { " --neighbours 4" } else { "" };
+    args.to_lowercase() + neighbours
+}
+
+/// Potentials, whose descents the page computes, and from how many cells they reach the goal.
 pub fn potentials() -> Value {
     let boards = [LessonMap::trap(), LessonMap::rooms(), LessonMap::basic()].map(potentials_of);
     json!({"boards": boards})
@@ -188,38 +164,26 @@ fn potentials_of(board: LessonMap) -> Value {
     let rows = board.occupied.rows();
     let cols = board.occupied.cols();
     let fire = brushfire(&board.occupied, Connectivity::Eight).expect("the map has obstacles");
-    let squared = Attraction::Squared { zeta: 1.0 };
+    let squared = Attraction::default();
     let fields = [
-        ("attraction alone", squared, 1e-9),
-        ("weak repulsion (eta 15)", squared, 15.0),
-        ("strong repulsion (eta 100)", squared, 100.0),
-        ("Manhattan attraction, eta 15", Attraction::Manhattan, 15.0),
+        ("attraction alone", squared, 0.0, "descend --eta 0"),
+        ("weak repulsion (eta 15)", squared, 15.0, "descend --eta 15"),
+        ("strong repulsion (eta 100)", squared, 100.0, "descend --eta 100"),
+        ("Manhattan attraction, eta 15", Attraction::Manhattan, 15.0, "descend --distance manhattan --eta 15"),
     ];
-    let mut runs = fields
-        .map(|(name, kind, eta)| {
+    let mut runs: Vec<Value> = fields
+        .iter()
+        .map(|&(name, kind, eta, args)| {
             let pull = attraction(rows, cols, board.goal, kind, Some(10.0));
-            let push = Repulsion { q: 5.0, eta, distance: RepulsionDistance::Brushfire };
-            let field = total(pull, &fire, &push);
-            let walk = |place| descend(&field, &board.occupied, place, board.goal, Connectivity::Eight, CORNERS);
-            let next = board.next(|place| match walk(place) {
-                Ok(Descent::Reached(path) | Descent::Stuck(path)) => path,
-                _ => Vec::new(),
-            });
-            let reached = board.free().filter(|&place| matches!(walk(place), Ok(Descent::Reached(_)))).count();
-            let values: Vec<f64> = field.values().iter().map(|&value| short(value, 2)).collect();
-            json!({"name": name, "values": values, "next": next, "reached": reached, "free": board.free().count()})
+            let field = total(pull, &fire, &Repulsion { eta, ..Repulsion::default() });
+            let descents = board
+                .free()
+                .map(|place| descend(&field, &board.occupied, place, board.goal, Connectivity::Eight, CORNERS));
+            let reached = descents.filter(|descent| matches!(descent, Ok(Descent::Reached(_)))).count();
+            json!({"name": name, "args": args, "reached": reached, "free": board.free().count()})
         })
-        .to_vec();
-    let (steps, next) = board.wave(Connectivity::Eight);
-    // Cells without a way on: obstacles and the goal.
-    let reached = 1 + next.iter().filter(|&&to| to >= 0).count();
-    runs.push(json!({
-        "name": "wavefront instead",
-        "values": steps.values(),
-        "next": next,
-        "reached": reached,
-        "free": board.free().count(),
-    }));
+        .collect();
+    runs.push(json!({"name": "wavefront instead", "args": "wavefront"}));
     board.data(runs)
 }
 
@@ -251,8 +215,11 @@ fn samples_of(board: LessonMap) -> Value {
             let roadmap = probabilistic_roadmap(&board.occupied, ends, &settings).expect("both ends are free");
             graph_data(samples, &roadmap)
         });
-        for (name, stages) in [("RRT", rrt), ("RRT*", star), ("PRM", prm)] {
-            runs.push(json!({"name": format!("{name}, seed {seed}"), "stages": stages}));
+        for (name, command, more, stages) in
+            [("RRT", "rrt", "", rrt), ("RRT*", "rrt-star", "", star), ("PRM", "prm", " --neighbours 12", prm)]
+        {
+            let args = format!("{command} --seed {seed}{more}");
+            runs.push(json!({"name": format!("{name}, seed {seed}"), "args": args, "stages": stages}));
         }
     }
     let costs: Vec<_> = (1..=COST_SEEDS)

@@ -7,8 +7,9 @@ use serde_json::{Value, json};
 
 use super::short;
 use crate::cli::error::CliError;
+use wildfire_base::rng;
 use wildfire_base::time::SimTime;
-use wildfire_batch::stats::{Series, UNBOUNDED, t_reach};
+use wildfire_batch::stats::{Interval, estimate_mean, t_reach};
 use wildfire_scenario::{Scenario, load};
 use wildfire_sim::run;
 use wildfire_timeline::{AgentId, Outcome, Role, RunIndex, Timeline};
@@ -51,9 +52,11 @@ fn run_seeds<T: Send>(
 /// Differences between two planners on the same seeds, and Student's quantiles for their intervals.
 pub fn pairs() -> Result<Value, CliError> {
     let [a, b] = [outcomes_of_planner(PLANNERS[0])?, outcomes_of_planner(PLANNERS[1])?];
-    let metrics = [("bushes saved", "bushes", 0), ("distance driven", "m", 1)].map(|(name, unit, column)| {
+    let metrics = [("bushes saved", "bushes", "saved", 2), ("distance driven", "m", "truck_distance_m", 0)];
+    let metrics = [0, 1].map(|column| {
+        let (name, unit, metric, decimals) = metrics[column];
         let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| short(b[column] - a[column], 1)).collect();
-        json!({"name": name, "unit": unit, "differences": differences, "all": mean(&differences)})
+        json!({"name": name, "unit": unit, "differences": differences, "all": mean(&differences, metric, decimals)})
     });
     // By sample size; there is no interval of fewer than two.
     let reach: Vec<f64> = (2..=PAIR_SEEDS).map(|size| short(t_reach((size - 1) as f64), 4)).collect();
@@ -70,16 +73,17 @@ fn outcomes_of_planner(planner: &str) -> Result<Vec<[f64; 2]>, CliError> {
     })
 }
 
-/// A mean with its 95 % interval.
-fn mean(values: &[f64]) -> Value {
-    let series = Series::from_values(values);
-    let interval = series.mean_interval_within(UNBOUNDED);
-    let [low, high] = interval.map_or([None; 2], |interval| [Some(interval.low), Some(interval.high)]);
-    json!({"mean": mean_text(series.mean()), "low": mean_text(low), "high": mean_text(high)})
+/// A mean with its 95 % interval, as `wildfire compare` estimates and prints it.
+fn mean(values: &[f64], metric: &str, decimals: usize) -> Value {
+    let estimate =
+        estimate_mean(values, &mut rng::stream(1, &format!("bootstrap/B/{metric}"))).expect("there are values");
+    let [low, high] = Interval::ends(estimate.interval);
+    let [mean, low, high] = [Some(estimate.mean), low, high].map(|number| mean_text(number, decimals));
+    json!({"mean": mean, "low": low, "high": high})
 }
 
-fn mean_text(number: Option<f64>) -> Option<String> {
-    number.map(|number| format!("{number:.1}").replace('-', "−"))
+fn mean_text(number: Option<f64>, decimals: usize) -> Option<String> {
+    number.map(|number| format!("{number:.decimals$}").replace('-', "−"))
 }
 
 /// Runs of a fleet under several policies, and what each policy saves.
@@ -100,7 +104,9 @@ pub fn dispatch() -> Result<Value, CliError> {
         }
         let differences: Vec<f64> = saved.iter().zip(&saved_by_nearest).map(|(saved, other)| saved - other).collect();
         let films: Vec<Value> = runs.into_iter().filter_map(|run| run.1).collect();
-        policies.push(json!({"name": policy, "saved": saved, "difference": mean(&differences), "films": films}));
+        policies.push(
+            json!({"name": policy, "saved": saved, "difference": mean(&differences, "saved", 1), "films": films}),
+        );
     }
     Ok(json!({"step": STEP_S, "duration": DISPATCH_S, "seeds": DISPATCH_SEEDS, "policies": policies}))
 }
@@ -119,7 +125,9 @@ fn film(timeline: &Timeline) -> Value {
         .filter_map(|event| {
             let (cell, state) = event.bush_change()?;
             let state = state.kind() as usize;
-            Some(json!([short(event.time.as_seconds(), 1), timeline.setting.bush_index(cell)?, state]))
+            // Not rounded down, so that nothing has changed at a step that is before the event.
+            let seconds = (event.time.as_seconds() * 10.0).ceil() / 10.0;
+            Some(json!([seconds, timeline.setting.bush_index(cell)?, state]))
         })
         .collect();
     let index = RunIndex::new(timeline);
