@@ -222,8 +222,9 @@ def test_lengths_of_many_are_those_of_one_bit_for_bit() -> None:
 @pytest.mark.parametrize("occupied", [np.zeros(3, bool), np.zeros((2, 2, 2)), "a map", None, [["a", "b"]], [[1], [1, 2]]])
 def test_what_is_no_map_is_refused_with_its_shape(occupied: object) -> None:
     for ask in (wf.Checker, lambda it: wf.wavefront(it, (0, 0)), lambda it: wf.search_grid(it, (0, 0), (0, 0))):
-        with pytest.raises(ValueError, match=r"^expected occupied of shape \(rows, cols\) with flags or numbers, found .*$"):
+        with pytest.raises(ValueError, match=r"^expected occupied of shape \(rows, cols\) with flags or numbers, found ") as caught:
             ask(occupied)  # type: ignore[operator]
+        assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("planner", ["hybrid-astar", "prm-rs", "prm+primitives", "lattice"])

@@ -98,8 +98,9 @@ def test_arguments_of_other_types_are_refused_in_a_sentence() -> None:
         (lambda: wf.compare("smoke", by=5), "found a int; expected a column, or a column with its values"),
         (lambda: run.picture(size=-1), r"found a int; expected a size in pixels, or \(width, height\)"),
     ]:
-        with pytest.raises(TypeError, match=f"^{sentence}$"):
+        with pytest.raises(TypeError, match=f"^{sentence}") as caught:
             ask()
+        assert "\n" not in str(caught.value)
     with pytest.raises(wf.WildfireError, match="^`R R T`: a name is 1 to 40 of"):
         wf.plan(planner="R R T")
 
