@@ -73,7 +73,7 @@ def seen_from(a, b, radius):
 
 
 def dubins(a, b, radius):
-    """Return the length of the shortest Dubins curve: Dubins 1957, each word solved for a left turn first, then mirrored."""
+    """Return the length of the shortest Dubins curve: words that begin with a left turn, then their mirror images."""
     x, y, phi = seen_from(a, b, radius)
     best = inf
     for y, phi in ((y, phi), (-y, -phi)):

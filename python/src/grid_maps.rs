@@ -44,7 +44,7 @@ impl Occupied {
             return Ok(map);
         }
         let sentence = format!(
-            "occupied has shape ({rows}, {cols}); expected 1 to {MAX_SIDE} cells per side, and at most {max_cells} cells"
+            "occupied has shape ({rows}, {cols}); expected 1 to {MAX_SIDE} cells per side, at most {max_cells} in all"
         );
         Err(PyValueError::new_err(sentence))
     }
@@ -121,8 +121,8 @@ pub fn wavefront_map<'py>(
 
 /// Searches a grid for a path.
 ///
-/// A step costs 1, a diagonal one the square root of 2. Ties go to the larger cost so far, then to the first cell in reading
-/// order, so that the same map gives the same path everywhere.
+/// A step costs 1, a diagonal one the square root of 2. Ties go to the larger cost so far, then to the first cell in
+/// reading order, so that the same map gives the same path everywhere.
 ///
 /// Parameters
 /// ----------

@@ -1,5 +1,5 @@
-//! Drives of the truck planned by any planners: the rows of `wildfire plan`, single paths, their judge, lower bounds on their
-//! lengths, and vehicles that plan together.
+//! Drives of the truck planned by any planners: the rows of `wildfire plan`, single paths, their judge, lower bounds on
+//! their lengths, and vehicles that plan together.
 
 use std::path::PathBuf;
 use std::str::FromStr;

@@ -1,6 +1,6 @@
 """The contest as PettingZoo environments for several agents: ``parallel_env()`` and ``env()``.
 
-From PettingZoo 1.27 on, ``pettingzoo.make("parallel", "wildfire/Contest-v0")`` and ``pettingzoo.make("aec", ...)`` make them too.
+From PettingZoo 1.27 on, ``pettingzoo.make("parallel", "wildfire/Contest-v0")`` makes the first, with ``"aec"`` the second.
 
 Agents are ``wumpus_0`` ... and ``unimog_0`` ...; agents that are not in `play` follow the scenario's policies.
 """
@@ -77,11 +77,10 @@ class _Contest:
 
     def mask(self, seat: int | None) -> NDArray[np.int8]:
         """Return the action mask of a seat, or that of an agent that can only wait."""
-        masks = self.own["action_mask"]
-        if seat is not None:
-            return masks[seat].copy()
-        mask = np.zeros_like(masks[0])
-        mask[0] = 1
+        mask: NDArray[np.int8] = self.own["action_mask"][seat or 0].copy()
+        if seat is None:
+            mask[:] = 0
+            mask[0] = 1
         return mask
 
 

@@ -38,10 +38,13 @@ class GridSearch(NamedTuple):
     """The result of a search on a grid map."""
 
     path: NDArray[np.int64]
-    """The cells from start to goal as rows and columns, shape (n, 2); with Theta*, those where the path turns. Empty without one."""
+    """The rows and columns of the cells from start to goal, shape (n, 2); with Theta*, of those where the path turns.
+
+    Empty without a path.
+    """
 
     cost: float
-    """The length of the path in cells; inf without one."""
+    """The length of the path in cells; inf without a path."""
 
     expanded: NDArray[np.int64]
     """The cells whose neighbours were examined, in order, shape (m, 2)."""
