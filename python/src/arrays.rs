@@ -49,8 +49,8 @@ fn wrong_shape(object: &Bound<'_, PyAny>) -> PyErr {
 /// Describes an argument that is not the expected array by its shape or its type.
 pub fn described(object: &Bound<'_, PyAny>) -> String {
     let numpy = object.py().import("numpy").and_then(|numpy| numpy.call_method1("shape", (object,)));
-    match numpy.and_then(|shape| shape.extract::<Vec<usize>>()) {
-        Ok(shape) if !shape.is_empty() => format!("shape {shape:?}").replace('[', "(").replace(']', ")"),
+    match numpy {
+        Ok(shape) if shape.len().is_ok_and(|dimensions| dimensions > 0) => format!("shape {shape}"),
         _ => object.get_type().name().map_or_else(|_| "something else".to_owned(), |name| format!("a {name}")),
     }
 }
@@ -183,7 +183,7 @@ impl Poses {
 }
 
 /// Makes a two-dimensional array.
-pub fn rows<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Bound<'py, PyAny>> {
-    let flat: Bound<'py, PyArray1<f64>> = rows.as_flattened().to_vec().into_pyarray(py);
+pub fn rows<'py, T: Element + Clone, const N: usize>(py: Python<'py>, rows: &[[T; N]]) -> PyResult<Bound<'py, PyAny>> {
+    let flat: Bound<'py, PyArray1<T>> = rows.as_flattened().to_vec().into_pyarray(py);
     flat.call_method1("reshape", ((rows.len(), N),))
 }

@@ -11,7 +11,7 @@ use wildfire::batch::report::{AuditOptions, AuditSource, ListedViolation, audit_
 use wildfire::batch::table::{FinishedBatch, recordings_in};
 
 use crate::batch::{Batch, OneOrMore, threads};
-use crate::errors::error;
+use crate::errors::{error, one_of};
 use crate::planner::{Factories, Interruption};
 use crate::run::Run;
 
@@ -59,12 +59,13 @@ impl Violation {
 }
 
 /// Anything that can be audited.
-#[derive(FromPyObject)]
 pub enum Auditable<'py> {
     Run(Bound<'py, Run>),
     Batch(Bound<'py, Batch>),
     Path(PathBuf),
 }
+
+one_of!(Auditable<'py>, "a Run, a Batch, or a path", Self::Run, Self::Batch, Self::Path);
 
 /// Checks finished runs against the rules, with code that shares nothing with the planners.
 ///

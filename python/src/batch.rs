@@ -7,7 +7,7 @@ use std::thread;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyInt, PyMapping, PyString};
+use pyo3::types::{PyInt, PyMapping, PySequence, PyString};
 use tempfile::TempDir;
 use wildfire::batch as library;
 use wildfire::batch::execute::{BatchError, OutputFolder, RealDisk, with_threads};
@@ -130,10 +130,22 @@ impl Batch {
 }
 
 /// One value or several.
-#[derive(FromPyObject)]
 pub enum OneOrMore<T> {
     One(T),
     More(Vec<T>),
+}
+
+impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for OneOrMore<T> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match object.extract::<T>() {
+            Ok(one) => Ok(Self::One(one)),
+            // What is wrong with one of several, or with the only one.
+            Err(_) if object.cast::<PySequence>().is_ok() => object.extract().map(Self::More),
+            Err(error) => Err(error.into()),
+        }
+    }
 }
 
 impl<T> OneOrMore<T> {

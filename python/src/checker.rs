@@ -3,19 +3,19 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use numpy::{AllowTypeChange, IntoPyArray, PyArray1, PyArrayLike2};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::geometry::{DVec2, FieldFrame, Pose, ops};
-use wildfire::grid::Grid;
 use wildfire::planning::kit::halton::radical_inverse;
 use wildfire::planning::{Goal, GoalDisc};
 use wildfire::scenario::MAX_CELLS_A_SIDE;
 use wildfire::vehicle::{Dimensions, ReedsShepp, Segment};
 
 use crate::arrays::{Numbers, Poses, is_sane, is_sane_pose, rows};
+use crate::grid_maps::Occupied;
 use crate::query::{GoalLike, Vehicle};
 
 /// The largest number of goal poses per call.
@@ -48,15 +48,11 @@ impl Checker {
 impl Checker {
     #[new]
     #[pyo3(signature = (occupied, cell_m = 5.0, vehicle = None))]
-    fn from_occupied(
-        occupied: PyArrayLike2<'_, bool, AllowTypeChange>,
-        cell_m: f64,
-        vehicle: Option<Vehicle>,
-    ) -> PyResult<Self> {
-        let occupied = occupied.as_array();
+    fn from_occupied(occupied: Occupied, cell_m: f64, vehicle: Option<Vehicle>) -> PyResult<Self> {
+        let Occupied(cells) = occupied;
         let side = |cells: usize| u16::try_from(cells).ok().filter(|side| (1..=MAX_CELLS_A_SIDE).contains(side));
-        let (Some(rows), Some(cols)) = (side(occupied.nrows()), side(occupied.ncols())) else {
-            let shape = occupied.shape();
+        let (Some(rows), Some(cols)) = (side(cells.rows()), side(cells.cols())) else {
+            let shape = (cells.rows(), cells.cols());
             let sentence = format!("occupied has shape {shape:?}; expected 1 to {MAX_CELLS_A_SIDE} cells per side");
             return Err(PyValueError::new_err(sentence));
         };
@@ -64,7 +60,6 @@ impl Checker {
             return Err(PyValueError::new_err(format!("cell_m is {cell_m}; expected 0.01 to 1000 metres")));
         }
         let frame = FieldFrame { cols, rows, cell_m };
-        let cells = Grid::from_values(rows.into(), cols.into(), occupied.iter().copied().collect());
         let body = vehicle.map_or_else(|| Ok(Dimensions::default()), |vehicle| vehicle.checked_body())?;
         Ok(Self::new(CollisionChecker::new(Arc::new(ClearanceField::new(frame, &cells)), body)))
     }

@@ -10,21 +10,23 @@ use wildfire::batch::table::{FileColumn, Kind, Unit};
 
 use crate::batch::{Batch, OneOrMore};
 use crate::columns::TableBuilder;
-use crate::errors::error;
+use crate::errors::{error, one_of};
 
 /// A column that divides a batch, optionally with the values to compare.
-#[derive(FromPyObject)]
 pub enum By {
     Column(String),
     Values(String, Vec<String>),
 }
 
+one_of!(By, "a column, or a column with its values", Self::Column, |(column, values)| Self::Values(column, values));
+
 /// A difference: a number, or one with a unit.
-#[derive(FromPyObject)]
 pub enum Size {
     Number(f64),
     Words(String),
 }
+
+one_of!(Size, "a number, or a text such as '5 s'", Self::Number, Self::Words);
 
 /// Compares batches, or the parts of one, paired by seed.
 ///

@@ -1,8 +1,11 @@
 //! Errors of the library as Python exceptions, with the messages of the command line.
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::import_exception;
 use pyo3::prelude::*;
 use wildfire::scenario;
+
+use crate::arrays::described;
 
 import_exception!(wildfire_contest.errors, NoPath);
 import_exception!(wildfire_contest.errors, QueryTimedOut);
@@ -13,6 +16,28 @@ import_exception!(wildfire_contest.errors, WildfireError);
 pub fn error(sentence: impl ToString) -> PyErr {
     WildfireError::new_err(sentence.to_string())
 }
+
+/// Makes the error of an argument that is of none of the expected types.
+pub fn unexpected(object: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    PyTypeError::new_err(format!("found {}; expected {expected}", described(object)))
+}
+
+/// Reads an argument as the first of several types that it has. PyO3's own derive reports each attempt in a line.
+macro_rules! one_of {
+    ($One:ty, $expected:literal, $($variant:expr),+) => {
+        impl<'py> FromPyObject<'_, 'py> for $One {
+            type Error = PyErr;
+
+            fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+                $(if let Ok(read) = object.extract() {
+                    return Ok($variant(read));
+                })+
+                Err(crate::errors::unexpected(&object, $expected))
+            }
+        }
+    };
+}
+pub(crate) use one_of;
 
 /// Makes the error of an invalid scenario, with its location and the command line's advice.
 pub fn scenario_error(refusal: &scenario::ScenarioError) -> PyErr {

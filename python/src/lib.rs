@@ -13,6 +13,7 @@ mod compare;
 mod drive;
 mod envs;
 mod errors;
+mod grid_maps;
 mod interruption;
 mod literal;
 mod observation;
@@ -43,9 +44,11 @@ mod _core {
     #[pymodule_export]
     use crate::envs::{Contests, SavedContest, named_agents};
     #[pymodule_export]
+    use crate::grid_maps::{search_grid, wavefront_map};
+    #[pymodule_export]
     use crate::path::{Path, dubins_length, reeds_shepp_length};
     #[pymodule_export]
-    use crate::plan::{certify, plan, plan_together};
+    use crate::plan::{certify, find_path, judge, plan, plan_together};
     #[pymodule_export]
     use crate::program::command_line;
     #[pymodule_export]

@@ -47,7 +47,7 @@ impl Path {
         }
     }
 
-    /// Joins poses by the shortest Reeds-Shepp curves for a turning radius.
+    /// Joins poses by the shortest curves for a turning radius: of Reeds and Shepp, or of Dubins.
     ///
     /// Parameters
     /// ----------
@@ -56,14 +56,21 @@ impl Path {
     ///     In their order, without the start.
     /// radius : float
     ///     Metres.
+    /// forward_only : bool
+    ///     True: Dubins curves, which have no reverse.
     #[staticmethod]
-    fn through(start: Poses, poses: Poses, radius: f64) -> PyResult<Self> {
+    #[pyo3(signature = (start, poses, radius, forward_only = false))]
+    fn through(start: Poses, poses: Poses, radius: f64, forward_only: bool) -> PyResult<Self> {
         let start = one_pose(start, "start")?;
         let radius_m = checked_radius(radius)?;
         let (poses, _) = poses.listed(None);
         match poses.iter().position(|pose| !is_sane_pose(pose)) {
             Some(index) => {
                 Err(PyValueError::new_err(format!("pose {index} has numbers that are not finite or too large")))
+            }
+            None if forward_only => {
+                let curves = Dubins { radius_m };
+                Ok(Self(joined(start, &poses, |from, to| curves.shortest(from, to).path(from))))
             }
             None => Ok(Self(through(start, &poses, radius_m))),
         }
@@ -173,16 +180,20 @@ fn checked_radius(radius: f64) -> PyResult<f64> {
     if radius > 0.0 && radius <= LARGEST {
         return Ok(radius);
     }
-    Err(PyValueError::new_err(format!("radius is {radius}; expected metres above 0")))
+    Err(PyValueError::new_err(format!("radius is {radius}; expected metres above 0, and at most {LARGEST:e}")))
 }
 
 /// Joins poses by the shortest Reeds-Shepp curves, from the start on.
 pub fn through(start: Pose, poses: &[Pose], radius_m: f64) -> vehicle::Path {
     let curves = ReedsShepp { radius_m };
+    joined(start, poses, |from, to| curves.shortest(from, to).path(from))
+}
+
+fn joined(start: Pose, poses: &[Pose], curve: impl Fn(Pose, Pose) -> vehicle::Path) -> vehicle::Path {
     let mut path = vehicle::Path::standing(start);
     let mut from = start;
     for &to in poses {
-        path.segments.extend(curves.shortest(from, to).segments());
+        path.segments.extend(curve(from, to).segments);
         from = to;
     }
     path

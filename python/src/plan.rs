@@ -1,32 +1,35 @@
-//! Drives of the truck planned by any planners: the rows of `wildfire plan`, lower bounds on their lengths, and vehicles that
-//! plan together.
+//! Drives of the truck planned by any planners: the rows of `wildfire plan`, single paths, their judge, lower bounds on
+//! their lengths, and vehicles that plan together.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::Arc;
 use std::time::Duration;
 
 use pyo3::exceptions::PyValueError;
-
 use pyo3::prelude::*;
-use pyo3::types::PyMapping;
+use pyo3::types::{PyDict, PyMapping};
 use wildfire::batch::drives::{DRIVE_COLUMNS, DriveColumn, DriveProblems, DriveRequest};
 use wildfire::batch::together::InstanceAnswer;
-use wildfire::collision::MIN_CLEARANCE_M;
+use wildfire::collision::{CollisionChecker, MIN_CLEARANCE_M};
 use wildfire::input_file;
-use wildfire::planning::PlannerName;
 use wildfire::planning::certificate::Certificate;
+use wildfire::planning::judge::Judge;
 use wildfire::planning::together::files::{MAX_BYTES, read_instance};
 use wildfire::planning::together::{Mode, PlanTogether, RepairMethod};
+use wildfire::planning::{PlannerName, TruckPlannerKind};
 use wildfire::scenario::MemoryLimit;
+use wildfire::trajectory::SpeedLimits;
 
 use crate::arrays::{LARGEST, Poses};
 use crate::batch::OneOrMore;
 use crate::checker::Checker;
 use crate::columns::TableBuilder;
-use crate::errors::error;
+use crate::errors::{NoPath, error};
 use crate::literal;
-use crate::path::one_pose;
+use crate::path::{Path, one_pose};
 use crate::planner::{Factories, Interruption};
+use crate::query::GoalLike;
 
 #[pyfunction]
 #[pyo3(signature = (
@@ -74,7 +77,8 @@ pub fn plan<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let factories = Factories::new(planners, None)?;
     let names = planner.map_or_else(Vec::new, OneOrMore::into_vec);
-    let planners = names.iter().map(|name| PlannerName::new(name)).collect::<Result<Vec<_>, _>>().map_err(error)?;
+    let checked = |name: &String| PlannerName::new(name).map_err(|bad| error(format_args!("`{name}`: {bad}")));
+    let planners = names.iter().map(checked).collect::<PyResult<_>>()?;
     let fields = field.map_or_else(Vec::new, OneOrMore::into_vec);
     let request = DriveRequest {
         scenario: scenario.map_or_else(|| "drives".to_owned(), |path| path.display().to_string()),
@@ -95,6 +99,82 @@ pub fn plan<'py>(
         table.push(DRIVE_COLUMNS.iter().map(|column| (column.value)(&query)));
     }
     table.finish(py)
+}
+
+/// Finds a path between two poses, or to a disc, on a map.
+///
+/// Parameters
+/// ----------
+/// checker : Checker
+///     The body and the map.
+/// start : array of shape (3,)
+/// goal : Disc, Pose or (x, y, heading)
+/// planner : {"hybrid-astar", "prm-rs", "prm+primitives", "lattice"}
+///     A built-in planner, with its default settings.
+/// seed : int
+///     Of the roadmaps of the two that are random.
+///
+/// Returns
+/// -------
+/// Path
+///     It keeps at least 1 cm from obstacles and border.
+///
+/// Raises
+/// ------
+/// NoPath
+///     None was found, for the reason in ``reason``.
+/// ValueError
+///     An argument is invalid.
+#[pyfunction]
+#[pyo3(signature = (checker, start, goal, planner = "hybrid-astar", seed = 1))]
+pub fn find_path(
+    py: Python<'_>,
+    checker: &Checker,
+    start: Poses,
+    goal: GoalLike,
+    planner: &str,
+    seed: u64,
+) -> PyResult<Path> {
+    let kind = TruckPlannerKind::from_str(planner)
+        .map_err(|expected| PyValueError::new_err(format!("planner is '{planner}'; {expected}")))?;
+    let start = one_pose(start, "start")?;
+    let plan = py.detach(|| kind.build(&checker.0, seed).plan(start, goal.0));
+    plan.path.map(Path).map_err(|failure| NoPath::new_err(failure.to_string().replace(' ', "-")))
+}
+
+/// Judges a path as the contest judges those of custom planners, and computes its figures.
+///
+/// Parameters
+/// ----------
+/// checker : Checker
+///     The body and the map.
+/// path : Path
+/// goal : Disc, Pose or (x, y, heading)
+///
+/// Returns
+/// -------
+/// dict
+///     ``violation``: the first rule that the path breaks, with the place, or None. Of a path without violation also
+///     ``length_m``, ``lower_bound_ratio`` (over a lower bound on the length of all paths; None if that is 0),
+///     ``min_clearance_m`` (of poses every 2 cm; a lower bound above 1 m) and ``cusps``.
+#[pyfunction]
+#[pyo3(signature = (checker, path, goal))]
+pub fn judge<'py>(py: Python<'py>, checker: &Checker, path: &Path, goal: GoalLike) -> PyResult<Bound<'py, PyDict>> {
+    let path = &path.0;
+    let judge = Judge::new(CollisionChecker::clone(&checker.0));
+    // Speeds are only needed for the time of a drive, which is not among the members.
+    let limits = SpeedLimits::new(1.0, 1.0);
+    let judged =
+        py.detach(|| judge.check(path.start, goal.0, path).map(|()| judge.figures(path.start, goal.0, path, limits)));
+    let answer = PyDict::new(py);
+    answer.set_item("violation", judged.as_ref().err().map(ToString::to_string))?;
+    if let Ok(figures) = judged {
+        answer.set_item("length_m", figures.length_m)?;
+        answer.set_item("lower_bound_ratio", figures.printed_ratio())?;
+        answer.set_item("min_clearance_m", figures.min_clearance_m)?;
+        answer.set_item("cusps", figures.cusps)?;
+    }
+    Ok(answer)
 }
 
 /// Computes a lower bound on the length of every path from the start to the goal that keeps 1 cm from the bushes.

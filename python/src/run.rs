@@ -23,7 +23,7 @@ use wildfire::timeline::export::{FINEST_STEP_S, write_events};
 use wildfire::timeline::{Outcome, Replay, RunIndex, Timeline, file};
 
 use crate::columns::TableBuilder;
-use crate::errors::error;
+use crate::errors::{error, one_of};
 use crate::interruption::Interruption;
 use crate::planner::Factories;
 use crate::program::programs;
@@ -214,11 +214,12 @@ impl Run {
 type RunParts = (Vec<u8>, String, Vec<String>);
 
 /// The size of a picture in pixels.
-#[derive(FromPyObject)]
 enum PictureSize {
     Side(u32),
     Sides(u32, u32),
 }
+
+one_of!(PictureSize, "a size in pixels, or (width, height)", Self::Side, |(width, height)| Self::Sides(width, height));
 
 impl Run {
     /// Returns the scenario and seed as a name.

@@ -9,7 +9,7 @@ use wildfire::collision::{ClearanceField, CollisionChecker};
 use wildfire::scenario::{self as library, Fault, LoadedScenario, ScenarioError, ScenarioText, Terrain};
 
 use crate::checker::Checker;
-use crate::errors::{error, scenario_error};
+use crate::errors::{error, one_of, scenario_error};
 use crate::literal;
 use crate::planner::Factories;
 
@@ -174,11 +174,12 @@ pub fn restored_scenario(source: &str, text: String, changes: Vec<String>) -> Py
 }
 
 /// A scenario, or its name or path.
-#[derive(FromPyObject)]
 pub enum ScenarioLike<'py> {
     Loaded(Bound<'py, Scenario>),
     Named(PathBuf),
 }
+
+one_of!(ScenarioLike<'py>, "a Scenario, or the name or the path of one", Self::Loaded, Self::Named);
 
 impl ScenarioLike<'_> {
     /// Returns the scenario `contest` if none is given.

@@ -196,3 +196,111 @@ def test_lengths_of_curves_are_those_of_their_paths() -> None:
     assert wf.reeds_shepp_length((0, 0, 0), (5, 0, 0), 7.0) == pytest.approx(5)
     with pytest.raises(ValueError, match="radius is"):
         wf.reeds_shepp_length((0, 0, 0), (5, 0, 0), 0.0)
+
+
+def test_lengths_of_many_are_those_of_one_bit_for_bit() -> None:
+    draw = np.random.default_rng(3)
+    a, b = (np.column_stack([draw.uniform(0, 60, (200, 2)), draw.uniform(-9, 9, 200)]) for _ in range(2))
+    for length in (wf.reeds_shepp_length, wf.dubins_length):
+        assert length(a, b, 7.0).tolist() == [length(tuple(one), tuple(other), 7.0) for one, other in zip(a, b, strict=True)]
+        assert length(a[0], b, 7.0).tolist() == [length(a[0], other, 7.0) for other in b]
+        assert length(a, b[0], 7.0).tolist() == [length(one, b[0], 7.0) for one in a]
+        assert math.isnan(length(a, np.where(b == b[5], math.nan, b), 7.0)[5])
+        for radius in (0.0, -1.0, math.nan, math.inf):
+            with pytest.raises(ValueError, match="radius is"):
+                length(a, b, radius)
+        with pytest.raises(ValueError, match=r"expected poses of shape \(3,\) or \(n, 3\), found shape \(200, 2\)"):
+            length(a[:, :2], b, 7.0)
+        with pytest.raises(ValueError, match="found 200 poses and 3 poses"):
+            length(a, b[:3], 7.0)
+    for one, other in zip(a[:50], b[:50], strict=True):
+        forward = wf.Path.through(one, other, 7.0, forward_only=True)
+        assert forward.length == pytest.approx(wf.dubins_length(one, other, 7.0)) and forward.cusps == 0
+        assert np.hypot(*np.subtract(forward.end, other)[:2]) < 1e-9
+
+
+@pytest.mark.parametrize("occupied", [np.zeros(3, bool), np.zeros((2, 2, 2)), "a map", None, [["a", "b"]], [[1], [1, 2]]])
+def test_what_is_no_map_is_refused_with_its_shape(occupied: object) -> None:
+    for ask in (wf.Checker, lambda it: wf.wavefront(it, (0, 0)), lambda it: wf.search_grid(it, (0, 0), (0, 0))):
+        with pytest.raises(ValueError, match=r"^expected occupied of shape \(rows, cols\) with flags or numbers, found ") as caught:
+            ask(occupied)  # type: ignore[operator]
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("planner", ["hybrid-astar", "prm-rs", "prm+primitives", "lattice"])
+def test_paths_that_are_found_pass_the_judge(checker: wf.Checker, planner: str) -> None:
+    start, goals = (20.0, 32.0, 0.0), [wf.Disc(120, 130, 8), (60.0, 32.0, 0.0)]
+    for goal in goals:
+        path = wf.find_path(checker, start, goal, planner, seed=3)  # type: ignore[arg-type]
+        assert path.start == start and path == wf.find_path(checker, start, goal, planner, seed=3)  # type: ignore[arg-type]
+        judged = wf.judge(checker, path, goal)
+        assert judged["violation"] is None and judged["length_m"] == path.length and judged["cusps"] == path.cusps
+        densely = checker.clearance(path.poses(0.02)[:, :3])
+        assert judged["min_clearance_m"] == pytest.approx(densely.min(), abs=0.05) and densely.min() > 0.009
+        assert 1 <= judged["lower_bound_ratio"] < 5
+    with pytest.raises(wf.NoPath) as caught:
+        row, col = np.argwhere(checker.occupied)[0]
+        wf.find_path(checker, start, ((col + 0.5) * 5, (row + 0.5) * 5, 0.0), planner)  # type: ignore[arg-type]
+    assert caught.value.reason == "goal-blocked"
+
+
+def test_paths_that_break_a_rule_are_refused_with_it(checker: wf.Checker) -> None:
+    start = (20.0, 32.0, 0.0)
+    for segments, sentence in [
+        ([(0, -20)], "from the border"),
+        ([(0.2, 1)], "a turn of radius 5.00 m; the least is 13 m"),
+        ([(0, 2)], "from the goal's pose, the most is 0.001 m"),
+        ([(0, 1e6)], "it is 1000000.00 m long"),
+    ]:
+        judged = wf.judge(checker, wf.Path(start, segments), (60, 32, 0))
+        assert list(judged) == ["violation"] and sentence in judged["violation"], judged
+    with pytest.raises(ValueError, match="planner is 'rrt'; expected one of prm"):
+        wf.find_path(checker, start, start, "rrt")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="start has numbers that are not finite"):
+        wf.find_path(checker, (math.nan, 0, 0), start)
+
+
+def test_grids_are_searched_as_breadth_first_search_does() -> None:
+    occupied = np.random.default_rng(4).random((40, 50)) < 0.3
+    start, goal = (2, 3), (37, 45)
+    occupied[start] = occupied[goal] = False
+    for neighbours in (4, 8):
+        steps = wf.wavefront(occupied, np.array(goal), neighbours)
+        assert steps[goal] == 2 and (steps[occupied] == 1).all()
+        found = wf.search_grid(occupied, start, goal, "dijkstra", neighbours=neighbours)
+        assert found.path[0].tolist() == list(start) and found.path[-1].tolist() == list(goal)
+        moves = np.abs(np.diff(found.path, axis=0))
+        assert moves.max() == 1 and moves.sum(axis=1).max() == neighbours // 4
+        assert found.cost == pytest.approx(np.hypot(*moves.T).sum()) and not occupied[tuple(found.path.T)].any()
+        assert len(moves) >= steps[start] - 2 and (neighbours == 8 or len(moves) == steps[start] - 2)
+        again = wf.search_grid(occupied, start, goal, neighbours=neighbours)
+        assert again.cost == found.cost and len(again.expanded) <= len(found.expanded)
+    assert wf.search_grid(occupied, start, goal, "jps").cost == found.cost
+    straight = wf.search_grid(occupied, start, goal, "theta")
+    assert straight.cost <= found.cost and len(straight.path) < len(found.path)
+    assert wf.search_grid(occupied, start, goal, "greedy").cost >= found.cost
+    assert wf.search_grid(occupied, start, goal, corner_cutting=False).cost >= found.cost
+    closed = np.zeros((3, 3), bool)
+    closed[1] = True
+    none = wf.search_grid(closed, (0, 0), (2, 2))
+    assert none.path.shape == (0, 2) and none.cost == math.inf and none.expanded.shape == (3, 2)
+    assert wf.search_grid(closed, (1, 1), (2, 2)).expanded.shape == (0, 2)
+    assert wf.wavefront(closed, (0, 1)).tolist() == [[3, 2, 3], [1, 1, 1], [0, 0, 0]]
+
+
+def test_what_a_grid_does_not_allow_is_refused_in_a_sentence() -> None:
+    grid = np.zeros((3, 4), bool)
+    grid[0, 1] = True
+    for ask, sentence in [
+        (lambda: wf.search_grid(grid, (0, 0), (0, 1)), "the goal at row 0, column 1 is occupied"),
+        (lambda: wf.search_grid(grid, (3, 0), (0, 0)), "the start at row 3, column 0 lies outside the map of 3 rows and 4 columns"),
+        (lambda: wf.wavefront(grid, (0, -1)), r"the goal is \(0, -1\); expected \(row, column\), from 0"),
+        (lambda: wf.wavefront(grid, 3), r"the goal is 3; expected \(row, column\), from 0"),
+        (lambda: wf.wavefront(grid, (0.5, 1)), r"the goal is \(0.5, 1\); expected \(row, column\), from 0"),
+        (lambda: wf.wavefront(grid, (0, 0), 6), "neighbours is 6; expected 4 or 8"),
+        (lambda: wf.wavefront(np.zeros((0, 4)), (0, 0)), r"occupied has shape \(0, 4\); expected 1 to 32767 cells per side"),
+        (lambda: wf.search_grid(grid, (0, 0), (2, 2), "rrt"), "method is 'rrt'; expected 'astar'"),
+        (lambda: wf.search_grid(grid, (0, 0), (2, 2), "jps", neighbours=4), "neighbours is 4; expected 8 for `jps`"),
+    ]:
+        with pytest.raises(ValueError, match=f"^{sentence}"):
+            ask()

@@ -53,6 +53,38 @@ def test_pettingzoo_accepts_the_environments():
     seed_test(lambda: envs.contest_v0.env("smoke"), num_cycles=50)
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_pettingzoo_finds_the_environments_by_name():
+    pettingzoo = pytest.importorskip("pettingzoo", minversion="1.27")
+    assert isinstance(pettingzoo.make("parallel", "wildfire/Contest-v0", scenario="smoke"), envs.contest_v0.ContestParallel)
+    assert isinstance(pettingzoo.make("aec", "wildfire/Contest-v0", scenario="smoke"), envs.contest_v0.ContestAEC)
+
+
+def test_masks_in_infos_are_those_of_observations():
+    env = envs.TruckEnv("smoke", actions="nearest")
+    seen, info = env.reset(seed=1)
+    for _ in range(4):
+        assert np.array_equal(info["action_mask"], seen["action_mask"])
+        seen, _, _, _, info = env.step(envs.nearest(seen))
+    parallel = envs.contest_v0.parallel_env("smoke")
+    seen, infos = parallel.reset(seed=1)
+    several = 0
+    while parallel.agents:
+        for name in parallel.agents:
+            assert np.array_equal(infos[name]["action_mask"], seen[name]["action_mask"])
+            several += infos[name]["action_mask"].sum() > 1
+        chosen = {name: int(infos[name]["action_mask"].nonzero()[0][-1]) for name in parallel.agents}
+        seen, _, _, _, infos = parallel.step(chosen)
+    assert several > 5
+    one_by_one = envs.contest_v0.env("smoke")
+    one_by_one.reset(seed=1)
+    for name in one_by_one.agent_iter():
+        seen, _, ended, _, info = one_by_one.last()
+        assert np.array_equal(info["action_mask"], seen["action_mask"])
+        assert all(infos["action_mask"].sum() == 1 for other, infos in one_by_one.infos.items() if other != name)
+        one_by_one.step(None if ended else int(info["action_mask"].nonzero()[0][-1]))
+
+
 @pytest.mark.parametrize("scenario", ["smoke", "fleet"])
 def test_who_plays_the_nearest_plays_the_rules_run(scenario):
     scenario = wf.scenario(scenario, NEAREST | {"duration_s": 600})
@@ -208,6 +240,8 @@ def test_a_mask_restarts_some_of_the_contests():
     assert seen["time_s"][2, 0] > began_s[2]
     with pytest.raises(ValueError, match="reset_mask has shape"):
         vector.reset(options={"reset_mask": [True]})
+    with pytest.raises(ValueError, match=r"found actions of shape \(3, 1\); expected \(3,\)"):
+        vector.step(np.ones((3, 1)))
 
 
 def test_learners_find_masks_and_vectors():

@@ -1,4 +1,4 @@
-"""What the guide and the docstrings show is so."""
+"""Pages of the guide and docstrings show what happens."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import pytest
 
 import wildfire_contest as wf
 
-GUIDE = pathlib.Path(__file__).parents[2] / "docs" / "python.md"
+GUIDE = pathlib.Path(__file__).parents[2] / "docs"
 
 
 @pytest.mark.skipif(not GUIDE.exists(), reason="the guide is in the repository")
-def test_the_guide_shows_what_happens() -> None:
-    tested = doctest.testfile(str(GUIDE), module_relative=False)
+@pytest.mark.parametrize("page", ["python.md", "pieces.md"])
+def test_the_guide_shows_what_happens(page: str) -> None:
+    tested = doctest.testfile(str(GUIDE / page), module_relative=False)
     assert tested.failed == 0 and tested.attempted > 20
 
 

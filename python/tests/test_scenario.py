@@ -86,3 +86,28 @@ def test_a_scenario_gives_the_checker_of_its_field() -> None:
     checker = wf.scenario("contest").checker(seed=7)
     assert checker.size_m == (250.0, 250.0) and checker.occupied.shape == (50, 50)
     assert int(checker.occupied.sum()) == wf.run("contest", 7).outcome.obstacles
+
+
+def test_arguments_of_other_types_are_refused_in_a_sentence() -> None:
+    run = wf.run("smoke", seed=1)
+    for ask, sentence in [
+        (lambda: wf.run(5), "found a int; expected a Scenario, or the name or the path of one"),
+        (lambda: wf.batch(["smoke", 5]), "found a int; expected a Scenario, or the name or the path of one"),
+        (lambda: wf.batch("smoke", planner=5), "'int' object is not an instance of 'str'"),
+        (lambda: wf.audit([run, 5]), "found a int; expected a Run, a Batch, or a path"),
+        (lambda: wf.compare("smoke", by=5), "found a int; expected a column, or a column with its values"),
+        (lambda: run.picture(size=-1), r"found a int; expected a size in pixels, or \(width, height\)"),
+    ]:
+        with pytest.raises(TypeError, match=f"^{sentence}") as caught:
+            ask()
+        assert "\n" not in str(caught.value)
+    with pytest.raises(wf.WildfireError, match="^`R R T`: a name is 1 to 40 of"):
+        wf.plan(planner="R R T")
+
+
+def test_a_damaged_module_is_refused_with_the_byte(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "damaged.wasm"
+    path.write_bytes(b"\0asm\1\0\0\0and then something else")
+    scenario = wf.scenario("smoke", {"unimog.planner": "mine"})
+    with pytest.raises(wf.ScenarioError, match=r"^--set:1:21: `.*damaged\.wasm` is not a valid module: .* at byte \d+$"):
+        scenario.with_({"planner.mine.module": str(path)})

@@ -32,17 +32,21 @@ from wildfire_contest._core import (
     certify,
     compare,
     dubins_length,
+    find_path,
+    judge,
     plan,
     plan_together,
     read_batch,
     reeds_shepp_length,
     run,
     scenario,
+    search_grid,
+    wavefront,
 )
 from wildfire_contest.columns import Columns
 from wildfire_contest.errors import NoPath, ScenarioError, WildfireError
 from wildfire_contest.outcome import Outcome
-from wildfire_contest.planners import Disc, Factory, Planner, Planners, Pose
+from wildfire_contest.planners import Disc, Factory, GridSearch, Planner, Planners, Pose
 from wildfire_contest.program import main
 
 __all__ = [
@@ -51,6 +55,7 @@ __all__ = [
     "Columns",
     "Disc",
     "Factory",
+    "GridSearch",
     "NoPath",
     "Outcome",
     "Path",
@@ -71,6 +76,8 @@ __all__ = [
     "certify",
     "compare",
     "dubins_length",
+    "find_path",
+    "judge",
     "main",
     "ompl",
     "plan",
@@ -79,6 +86,8 @@ __all__ = [
     "reeds_shepp_length",
     "run",
     "scenario",
+    "search_grid",
+    "wavefront",
 ]
 
 

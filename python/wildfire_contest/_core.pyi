@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from wildfire_contest.columns import Columns
 from wildfire_contest.executors import Executor
 from wildfire_contest.outcome import Outcome
-from wildfire_contest.planners import Disc, Planner, Pose
+from wildfire_contest.planners import Disc, GridSearch, Planner, Pose
 
 _PathLike: TypeAlias = str | PathLike[str]
 _ScenarioLike: TypeAlias = Scenario | _PathLike
@@ -17,6 +17,7 @@ _Planners: TypeAlias = Mapping[str, Callable[[Site], Planner]]
 _Policies: TypeAlias = Mapping[str, Any]
 _OnePose: TypeAlias = tuple[float, float, float]
 _Goal: TypeAlias = Disc | Pose | _OnePose
+_Cell: TypeAlias = Sequence[int] | NDArray[np.integer[Any]]
 
 __all__ = [
     "Batch",
@@ -41,6 +42,8 @@ __all__ = [
     "command_line",
     "compare",
     "dubins_length",
+    "find_path",
+    "judge",
     "plan",
     "plan_together",
     "read_batch",
@@ -48,6 +51,8 @@ __all__ = [
     "run",
     "run_shard",
     "scenario",
+    "search_grid",
+    "wavefront",
 ]
 
 __version__: str
@@ -208,7 +213,7 @@ class Path:
     __hash__: ClassVar[None]  # type: ignore[assignment]
     def __new__(cls, start: ArrayLike, segments: ArrayLike) -> Path: ...
     @staticmethod
-    def through(start: ArrayLike, poses: ArrayLike, radius: float) -> Path: ...
+    def through(start: ArrayLike, poses: ArrayLike, radius: float, forward_only: bool = False) -> Path: ...
     @property
     def start(self) -> _OnePose: ...
     @property
@@ -337,6 +342,14 @@ def plan(
     scenario: _PathLike | None = None,
     changes: Mapping[str, object] | None = None,
 ) -> Columns: ...
+def find_path(
+    checker: Checker,
+    start: ArrayLike,
+    goal: _Goal,
+    planner: Literal["hybrid-astar", "prm-rs", "prm+primitives", "lattice"] = "hybrid-astar",
+    seed: int = 1,
+) -> Path: ...
+def judge(checker: Checker, path: Path, goal: _Goal) -> dict[str, Any]: ...
 def certify(checker: Checker, start: ArrayLike, goal: ArrayLike, length: float) -> float: ...
 def plan_together(
     instance: _PathLike,
@@ -364,6 +377,24 @@ def audit(
 ) -> list[Violation]: ...
 def _restored_run(bytes: bytes, row: str, messages: Sequence[str]) -> Run: ...
 def _restored_scenario(source: str, text: str, changes: Sequence[str]) -> Scenario: ...
+@overload
+def reeds_shepp_length(a: _OnePose, b: _OnePose, radius: float) -> float: ...
+@overload
 def reeds_shepp_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...
+@overload
+def dubins_length(a: _OnePose, b: _OnePose, radius: float) -> float: ...
+@overload
 def dubins_length(a: ArrayLike, b: ArrayLike, radius: float) -> Any: ...
+def wavefront(
+    occupied: ArrayLike, goal: _Cell, neighbours: Literal[4, 8] = 8, corner_cutting: bool = True
+) -> NDArray[np.uint32]: ...
+def search_grid(
+    occupied: ArrayLike,
+    start: _Cell,
+    goal: _Cell,
+    method: Literal["astar", "dijkstra", "greedy", "jps", "theta"] = "astar",
+    *,
+    neighbours: Literal[4, 8] = 8,
+    corner_cutting: bool = True,
+) -> GridSearch: ...
 def command_line(words: Sequence[str]) -> int: ...

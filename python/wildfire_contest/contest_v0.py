@@ -1,5 +1,7 @@
 """The contest as PettingZoo environments for several agents: ``parallel_env()`` and ``env()``.
 
+From PettingZoo 1.27 on, ``pettingzoo.make("parallel", "wildfire/Contest-v0")`` makes the first, with ``"aec"`` the second.
+
 Agents are ``wumpus_0`` ... and ``unimog_0`` ...; agents that are not in `play` follow the scenario's policies.
 """
 
@@ -9,6 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pettingzoo
 from gymnasium import spaces
 from gymnasium.utils import seeding
 from pettingzoo import AECEnv, ParallelEnv
@@ -70,8 +73,15 @@ class _Contest:
             return seen | {name: array[seat].copy() for name, array in self.own.items()}
         for name, array in self.own.items():
             seen[name] = np.zeros_like(array[0])
-        seen["action_mask"][0] = 1
-        return seen
+        return seen | {"action_mask": self.mask(None)}
+
+    def mask(self, seat: int | None) -> NDArray[np.int8]:
+        """Return the action mask of a seat, or that of an agent that can only wait."""
+        mask: NDArray[np.int8] = self.own["action_mask"][seat or 0].copy()
+        if seat is None:
+            mask[:] = 0
+            mask[0] = 1
+        return mask
 
 
 class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
@@ -112,7 +122,9 @@ class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
     ) -> tuple[dict[str, dict[str, Any]], dict[str, dict[str, Any]]]:
         self._contest.reset(seed)
         self.agents = list(self.possible_agents)
-        return self._seen(), {name: {"dt_s": 0.0, "illegal": 0} for name in self.agents}
+        seen = self._seen()
+        infos = {name: {"dt_s": 0.0, "illegal": 0, "action_mask": seen[name]["action_mask"]} for name in self.agents}
+        return seen, infos
 
     def step(self, actions: dict[str, int]) -> tuple[dict[str, Any], ...]:
         self._contest.expect_begun()
@@ -125,11 +137,15 @@ class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
         ended, dt_s = bool(contests.ended[0]), float(contests.dt_s[0])
         seats = list(enumerate(self.possible_agents))
         rewards = {name: float(contests.reward[seat]) for seat, name in seats}
-        infos = {name: {"dt_s": dt_s, "illegal": int(contests.illegal[seat])} for seat, name in seats}
+        seen = self._seen()
+        infos = {
+            name: {"dt_s": dt_s, "illegal": int(contests.illegal[seat]), "action_mask": seen[name]["action_mask"]}
+            for seat, name in seats
+        }
         if ended:
             self.agents = []
         names = self.possible_agents
-        return self._seen(), rewards, dict.fromkeys(names, ended), dict.fromkeys(names, False), infos
+        return seen, rewards, dict.fromkeys(names, ended), dict.fromkeys(names, False), infos
 
     def render(self) -> NDArray[np.uint8] | None:
         return None if self.render_mode is None else self._contest.contests.picture(0, envs.PICTURE_SIZE)
@@ -183,6 +199,7 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         self._asked = self.possible_agents[turn] if turn >= 0 else None
         if self._asked is not None:
             self.agent_selection = self._asked
+            self.infos[self._asked]["action_mask"] = self._contest.mask(0)
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> None:
         self._contest.reset(seed)
@@ -192,7 +209,9 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         ended = bool(self._contest.contests.ended[0])
         self.terminations = dict.fromkeys(self.agents, ended)
         self.truncations = dict.fromkeys(self.agents, False)
-        self.infos: dict[str, dict[str, Any]] = {name: {"dt_s": 0.0, "illegal": 0} for name in self.agents}
+        self.infos: dict[str, dict[str, Any]] = {
+            name: {"dt_s": 0.0, "illegal": 0, "action_mask": self._contest.mask(None)} for name in self.agents
+        }
         self.agent_selection = self.agents[0]
         self._select()
 
@@ -206,7 +225,8 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         self._contest.actions[0] = action
         contests.step(self._contest.actions, [])
         self._cumulative_rewards[agent] = 0.0
-        self.infos[agent] = {"dt_s": 0.0, "illegal": int(contests.illegal[0])}
+        mask = self._contest.mask(None)
+        self.infos[agent] = {"dt_s": 0.0, "illegal": int(contests.illegal[0]), "action_mask": mask}
         # The seat's reward is that of the first played agent; the game is zero-sum.
         gained, first = float(contests.reward[0]), self.possible_agents[0].split("_")[0]
         for name in self.agents:
@@ -235,3 +255,8 @@ def parallel_env(scenario: Any = "contest", **options: Any) -> ContestParallel:
 def env(scenario: Any = "contest", **options: Any) -> ContestAEC:
     """Return the contest in which agents act one at a time."""
     return ContestAEC(scenario, **options)
+
+
+if hasattr(pettingzoo, "register"):
+    pettingzoo.register("parallel", "wildfire/Contest-v0", f"{__name__}:parallel_env")
+    pettingzoo.register("aec", "wildfire/Contest-v0", f"{__name__}:env")

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
     from wildfire_contest._core import Path, Query, Site
 
@@ -31,6 +32,22 @@ class Pose(NamedTuple):
     x: float
     y: float
     heading: float
+
+
+class GridSearch(NamedTuple):
+    """The result of a search on a grid map."""
+
+    path: NDArray[np.int64]
+    """The rows and columns of the cells from start to goal, shape (n, 2); with Theta*, of those where the path turns.
+
+    Empty without a path.
+    """
+
+    cost: float
+    """The length of the path in cells; inf without a path."""
+
+    expanded: NDArray[np.int64]
+    """The cells whose neighbours were examined, in order, shape (m, 2)."""
 
 
 class Planner(Protocol):

@@ -123,7 +123,11 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
         """Carry out an action in each contest."""
         contests = self._contests
         resets = [(lane, self._draw()) for lane in self._waiting]
-        contests.step(np.ascontiguousarray(actions, np.int64), resets)
+        actions = np.ascontiguousarray(actions, np.int64)
+        if actions.ndim != 1:
+            msg = f"found actions of shape {actions.shape}; expected ({self.num_envs},)"
+            raise ValueError(msg)
+        contests.step(actions, resets)
         ended = contests.ended
         self._waiting = np.flatnonzero(ended).tolist() if ended.any() else []
         infos = self._infos()

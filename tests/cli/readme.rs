@@ -272,6 +272,7 @@ hold! {
     maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
+    pieces: "docs/pieces.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
     play: "docs/play.md", pictures below 0;
     policies: "docs/policies.md", pictures below 0;
