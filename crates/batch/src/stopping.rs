@@ -265,8 +265,7 @@ impl Batch {
         let mut played = 0;
         loop {
             let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(most);
-            let missing: Vec<u64> = self.progress().missing().filter(|run| (run - 1) % most < seeds).collect();
-            self.run_some(missing.into_iter(), variants * seeds, &run, jobs, stop, &mut on_run)?;
+            self.run_some(move |run| (run - 1) % most < seeds, &run, jobs, stop, &mut on_run)?;
             let mut rows = self.rows()?;
             for (variant, values) in (0..).zip(&mut monitor.values) {
                 for place in played..seeds {

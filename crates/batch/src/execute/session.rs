@@ -180,9 +180,7 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
-        let index = self.journal.index();
-        let (missing, all) = (index.missing(), index.count());
-        self.run_some(missing, all, &Arc::from(run), jobs, stop, on_run)?;
+        self.run_some(|_| true, &Arc::from(run), jobs, stop, on_run)?;
         // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
         if !self.journal.index().slice().is_whole() {
             self.journal.rows()?.expect_unchanged_lines()?;
@@ -190,14 +188,13 @@ impl Batch {
         Ok(())
     }
 
-    /// Executes some of the missing runs, as [`Self::run`] does; the journal then has `stored` runs.
+    /// Executes those of the missing runs that are wanted now, by their numbers, as [`Self::run`] does.
     ///
     /// # Errors
     /// As [`Self::run`].
     pub(crate) fn run_some(
         &mut self,
-        missing: impl Iterator<Item = u64> + Send + 'static,
-        stored: u64,
+        is_wanted: impl Fn(u64) -> bool + Copy + Send + 'static,
         run: &Arc<RunScenario>,
         jobs: usize,
         stop: &Arc<AtomicBool>,
@@ -205,20 +202,21 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.drain(..).map(|lost| lost.run).collect();
         let lost_count = lost.len();
-        if !lost.is_empty() || self.journal.index().stored().0 < stored {
+        let missing = |journal: &OpenJournal| journal.index().missing().filter(move |&run| is_wanted(run));
+        if !lost.is_empty() || missing(&self.journal).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
                 // Of a folder that is gone, the journal says it better.
                 Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
                 noted => noted?,
             }
         }
-        let missing = in_turn(&self.plan, missing);
+        let in_turn = in_turn(&self.plan, missing(&self.journal));
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
             run: Arc::clone(run),
             stop: Arc::clone(stop),
-            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
+            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(in_turn.map(Task::Run)))),
         };
         let worked_off = run_all(work, jobs, &mut self.journal, on_run);
         // Whatever ended the work, the runs that are over are to be kept.
@@ -226,7 +224,7 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
-        let is_over = self.journal.index().stored().0 == stored && recorded_again == lost_count;
+        let is_over = missing(&self.journal).next().is_none() && recorded_again == lost_count;
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }
 
