@@ -9,6 +9,7 @@ mod means;
 mod others;
 mod outcomes;
 mod rivals;
+mod stopping;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
             println!("{}", means::coverage(&contests, replications));
             println!("{}", others::coverage(&contests, replications));
             println!("{}", alarms::rates(&contests, replications));
+            println!("{}", stopping::rates(&contests, replications));
             ExitCode::SUCCESS
         }
         Err(error) => {

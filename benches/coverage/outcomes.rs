@@ -11,8 +11,9 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=1000;
 /// Outcomes of the same seeds.
 pub struct Contests {
     pub contest: Vec<Contest>,
-    /// The same with another planner of the truck.
+    /// The same with other planners of the truck.
     pub hybrid: Vec<Contest>,
+    pub prm_rs: Vec<Contest>,
     /// The scenario `original-2024`, whose outcomes are skewed.
     pub original: Vec<Contest>,
 }
@@ -38,6 +39,7 @@ pub fn contests() -> Result<Contests, String> {
     Ok(Contests {
         contest: runs("contest", &planner("prm+primitives"))?,
         hybrid: runs("contest", &planner("hybrid-astar"))?,
+        prm_rs: runs("contest", &planner("prm-rs"))?,
         original: runs("original-2024", &[])?,
     })
 }

@@ -12,3 +12,4 @@ mod resume;
 mod rows;
 mod shared;
 mod slices;
+mod stopping;

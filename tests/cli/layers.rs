@@ -30,7 +30,7 @@ const CRATES: [(&str, &[&str]); 13] = [
 
 /// Rooms of `batch`, each with those that it may use: first it is known which runs there are, then they take place, then
 /// tables are written, which other tools read too, and then something is said of them.
-const ROOMS_OF_BATCH: [(&str, &[&str]); 11] = [
+const ROOMS_OF_BATCH: [(&str, &[&str]); 12] = [
     ("stats", &[]),
     ("plan", &[]),
     ("together", &["plan"]),
@@ -39,6 +39,7 @@ const ROOMS_OF_BATCH: [(&str, &[&str]); 11] = [
     ("table", &["plan", "execute", "decisions"]),
     ("decisions", &["stats", "plan", "execute", "table"]),
     ("comparison", &["stats", "plan", "execute", "table"]),
+    ("stopping", &["stats", "plan", "execute", "table", "comparison"]),
     ("report", &["stats", "plan", "execute", "table", "comparison"]),
     ("maps", &["stats", "plan", "execute", "table"]),
     ("drives", &["stats", "plan", "table", "comparison"]),

@@ -8,7 +8,7 @@
 //! a row never depends on the number of workers, on slices or on interruptions. A run that fails or panics is a row like the
 //! others, with the reason.
 //!
-//! Four modules, each of which imports only those before it, and six more beside the last:
+//! Four modules, each of which imports only those before it, and seven more beside the last:
 //! - `plan`: the runs, frozen in `plan.json`;
 //! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`](execute::RunRow);
 //! - `table`: the columns, the files written from them, and the reader of these files;
@@ -18,6 +18,7 @@
 //! - `drives`: queries to planners outside of runs, their table and their summary;
 //! - `together`: vehicles that plan at once, their solutions and the check of these;
 //! - [`comparison`]: comparisons of batches, including those of other versions of the program;
+//! - [`stopping`]: batches that stop when enough is known;
 //! - [`arena`]: frozen tracks, and boards of entries on them.
 
 pub mod arena;
@@ -29,5 +30,6 @@ pub mod maps;
 pub mod plan;
 pub mod report;
 pub mod stats;
+pub mod stopping;
 pub mod table;
 pub mod together;

@@ -11,6 +11,7 @@ use wildfire_batch::execute::{Machine, OutputFolder};
 use wildfire_batch::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Record, shell_word};
 use wildfire_batch::report::{BatchReport, Tally, VariantReport, WrittenReport};
 use wildfire_batch::stats::{Interval, Series};
+use wildfire_batch::stopping::Look;
 use wildfire_batch::table::RUN_COLUMNS;
 
 /// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
@@ -114,7 +115,7 @@ impl BatchObject {
 }
 
 /// Words the result of a finished batch: the answer first, then the tables, and last the command that shows a run.
-pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) -> Document {
+pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport, look: Option<&Look>) -> Document {
     let path = shell_word(&folder.path().display().to_string());
     let (title, tables, sentences) = match report.variants.as_slice() {
         [one] => (format!("{}, seeds {}", one.title, plan.seeds), one.tables.blocks(), one.tally.sentences()),
@@ -129,7 +130,8 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport) ->
     // Commands are copied, so that their lines are not broken.
     let page = page_command(plan, &path, report).map(|command| Block::Verbatim(format!("Watch a run: {command}")));
     let charts = page.as_ref().map(|_| Block::Verbatim(format!("Page with charts: wildfire report {path}")));
-    let blocks = [opening].into_iter().chain(charts).chain(tables).chain([sentences]).chain(page);
+    let known = look.map(|look| Block::List(look.sentences(plan)));
+    let blocks = [opening].into_iter().chain(known).chain(charts).chain(tables).chain([sentences]).chain(page);
     Document::new(title).with(blocks)
 }
 

@@ -3,6 +3,7 @@
 use std::env;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 
@@ -14,6 +15,7 @@ use crate::cli::report::FormArguments;
 use crate::cli::why::parse_sample;
 use wildfire_base::input_file;
 use wildfire_batch::plan::{MAX_SEEDS_BYTES, MAX_SLICES, Record, Seeds, SeedsError, Slice};
+use wildfire_batch::stopping::{StopRequest, Until};
 use wildfire_scenario::MemoryLimit;
 
 /// The folder, in the current one, that holds a folder for each batch.
@@ -26,6 +28,7 @@ Examples:
   wildfire batch contest --seeds 1..1000 --jobs 2
   wildfire batch my.toml --seeds 1..50,99 --out runs/tuned --force --record all
   wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
+  wildfire batch --planner prm-rs,hybrid-astar --until decided
   wildfire batch --resume runs/contest
   wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
   wildfire batch plan.toml --shard 2/5 --out runs/cluster
@@ -62,6 +65,22 @@ pub struct BatchArguments {
     /// [default: 1..5].
     #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
+    /// Stop when this is known: `decided`, which of two variants has more of the metric, for each pair; or
+    /// `METRIC=HALF-WIDTH`, the difference of each pair, or the mean of an only variant. Looks at 20, 30, 40 ... seeds;
+    /// --seeds are the most [default: 1..1000].
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_parser = Until::from_str,
+        conflicts_with_all = ["resume", "rules", "slice", "slurm"]
+    )]
+    pub until: Option<Until>,
+    /// The metric of `--until decided` [default: saved].
+    #[arg(long, value_name = "NAME", requires = "until")]
+    pub metric: Option<String>,
+    /// With `--until decided`: a pair is also decided once it is known to differ by less than this.
+    #[arg(long, value_name = "MARGIN", requires = "until", value_parser = parse_margin)]
+    pub equivalent: Option<f64>,
     /// Number of threads [default: SLURM_CPUS_PER_TASK in a Slurm task, else the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -131,6 +150,19 @@ impl BatchArguments {
             let sentence = format!("{variable} is {found}; expected the number of a task, from 1 to {slices}");
             CliError::bad_input(sentence, Some(&help))
         })
+    }
+}
+
+fn parse_margin(text: &str) -> Result<f64, String> {
+    let number = numbers::parse::<f64>(text).filter(|number| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "expected a number above zero, in the unit of the metric".into())
+}
+
+impl BatchArguments {
+    /// Returns what the batch is to know before it stops.
+    pub fn stop_request(&self) -> Option<StopRequest> {
+        let until = self.until.clone()?;
+        Some(StopRequest { until, metric: self.metric.clone(), equivalent: self.equivalent })
     }
 }
 

@@ -136,7 +136,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
         note_repeated(merged.repeated);
     }
     let object = BatchObject::new(&merged.plan, folder.path(), &merged.report);
-    terminal::print(&arguments.form.render_either(&object, || summary(&merged.plan, &folder, &merged.report)))?;
+    terminal::print(&arguments.form.render_either(&object, || summary(&merged.plan, &folder, &merged.report, None)))?;
     Ok(exit_code(merged.report.not_done()))
 }
 

@@ -29,10 +29,11 @@ use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::decisions::SelectedDecisions;
-use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, Status, limit_threads};
+use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, RunEnd, Status, limit_threads};
 use wildfire_batch::plan::{
     BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, PROGRAM_VERSION, RequestError, Slice, shell_word,
 };
+use wildfire_batch::stopping::{Look, MOST_SEEDS};
 use wildfire_batch::table::FinishedBatch;
 use wildfire_scenario::ScenarioText;
 
@@ -45,7 +46,7 @@ const LISTED_FILES: usize = 10;
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let slice = arguments.slice()?;
     let mut left_out = 0;
-    let mut batch = match &arguments.resume {
+    let batch = match &arguments.resume {
         Some(folder) => {
             interrupt::set_resumable();
             let path = OutputFolder::existing(folder)?.with_keeping(arguments.keeping.keeping());
@@ -99,7 +100,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
-    run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
+    let (batch, look) = run_with_progress(batch, jobs, watch.stop(), context).map_err(from_batch)?;
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
@@ -108,9 +109,9 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);
-    let document = || match arguments.profile {
-        true => summary(batch.plan(), batch.folder(), &report).with(report.profile().blocks),
-        false => summary(batch.plan(), batch.folder(), &report),
+    let document = || {
+        let document = summary(batch.plan(), batch.folder(), &report, look.as_ref());
+        if arguments.profile { document.with(report.profile().blocks) } else { document }
     };
     let object = BatchObject::new(batch.plan(), batch.folder().path(), &report);
     terminal::print(&arguments.form.render_either(&object, document))?;
@@ -159,6 +160,7 @@ fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError
         ("--seeds", arguments.seeds.is_some()),
         ("--record", arguments.record.is_some()),
         ("--memory", arguments.memory.is_some()),
+        ("--until", arguments.until.is_some()),
     ];
     if let Some((option, _)) = changes.into_iter().find(|(_, is_set)| *is_set) {
         let sentence = format!("{option} would change {source}, the plan of a batch that has run; leave {option} out");
@@ -175,10 +177,15 @@ fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPla
     options.and_then(|()| request.add_planners(&arguments.planner)).map_err(RequestError::from)?;
     if let Some(seeds) = &arguments.seeds {
         request.seeds = Some(seeds.seeds()?);
+    } else if arguments.until.is_some() && request.seeds.is_none() {
+        request.seeds = Some(MOST_SEEDS.parse().expect("a range"));
     }
     request.record = arguments.record.or(request.record);
     request.memory = arguments.memory.or(request.memory);
-    Ok(request.resolve(arguments.force)?)
+    let plan = request.resolve(arguments.force)?;
+    let until = arguments.stop_request().map(|request| request.rule(&plan)).transpose();
+    let until = until.map_err(|error| CliError::bad_input(&error, error.help()))?;
+    Ok(BatchPlan { until, ..plan })
 }
 
 fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
@@ -256,18 +263,20 @@ fn list(things: impl ExactSizeIterator<Item = String>) -> Option<String> {
 }
 
 fn run_with_progress(
-    batch: &mut Batch,
+    batch: Batch,
     jobs: usize,
     stop: &Arc<AtomicBool>,
     context: &CommandContext,
-) -> Result<(), BatchError> {
+) -> Result<(Batch, Option<Look>), BatchError> {
     let (stored, mut not_done) = batch.progress().stored();
     let lost = batch.found().lost_recordings.len() as u64;
     let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).resumed(stored);
     // Only of a batch from its beginning, whose runs are all still to come.
     let is_new = stored == 0 && batch.progress().slice().is_whole() && !context.quiet;
     let mut estimates = is_new.then(|| Estimates::new(batch.plan(), jobs));
-    let done = batch.run(&context.registry, jobs, stop, |end| {
+    let plan = batch.plan().clone();
+    let simulation = batch.simulation(&context.registry);
+    let on_run = |end: RunEnd| {
         if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
             progress.note(&sentence);
         }
@@ -276,7 +285,8 @@ fn run_with_progress(
             progress.say(format!("({not_done} failed)"));
         }
         progress.advance();
-    });
+    };
+    let done = batch.run_until(simulation, jobs, stop, on_run, |look| progress.say(look.progress(&plan)));
     progress.end();
     done
 }

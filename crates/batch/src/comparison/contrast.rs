@@ -9,7 +9,7 @@ use crate::comparison::pairs::Pairs;
 use crate::comparison::sides::Side;
 use crate::stats::{
     Interval, Lifetime, MeanMethod, PairedAnswers, RepeatedMeasures, Series, SignedRanks, SurvivalCurve, cohens_dz,
-    estimate_mean, mean_rate_difference_interval,
+    estimate_mean, mean_rate_difference_interval, sequence_half_width,
 };
 use wildfire_base::document::number::rounded;
 use wildfire_base::rng;
@@ -57,6 +57,8 @@ pub enum Method {
     Ranks,
     /// Adjusted Wald interval and McNemar's exact test.
     Answers,
+    /// The interval of a confidence sequence, of batches that stopped by a rule; it is a test too.
+    Sequence,
 }
 
 impl Method {
@@ -67,6 +69,7 @@ impl Method {
             Self::StudentsT => "students-t",
             Self::Ranks => "wilcoxon",
             Self::Answers => "mcnemar",
+            Self::Sequence => "confidence-sequence",
         }
     }
 }
@@ -113,7 +116,36 @@ pub struct UntestedContrast {
     pub by_stratum: Option<ByStratum>,
 }
 
+impl UntestedContrast {
+    /// Returns the contrast of runs whose number was chosen by a stopping rule with this error: with the interval of a
+    /// confidence sequence, which holds at every number of seeds, and without p-values, which do not.
+    pub fn of_stopped_runs(self, alpha: f64) -> Self {
+        let strata = self.by_stratum.map(|strata| ByStratum {
+            contrasts: strata
+                .contrasts
+                .into_iter()
+                .map(|(it, contrast)| (it, contrast.of_stopped_runs(alpha)))
+                .collect(),
+            test: None,
+            ..strata
+        });
+        Self { contrast: self.contrast.of_stopped_runs(alpha), by_stratum: strata }
+    }
+}
+
 impl Contrast {
+    fn of_stopped_runs(self, alpha: f64) -> Self {
+        let half_width = self.spread.and_then(|spread| sequence_half_width(self.seeds as u64, spread, alpha));
+        Self {
+            interval: half_width.map(|half_width| Interval::about(self.difference, half_width)),
+            method: Method::Sequence,
+            p_value: None,
+            p_method: Method::Sequence,
+            ranks: None,
+            ..self
+        }
+    }
+
     /// `columns` are those of the tables' values that belong to the metric; `None` if no pair has it on both sides.
     pub fn between(
         metric: &Metric,

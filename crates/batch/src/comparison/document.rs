@@ -17,6 +17,11 @@ ranks, are adjusted by Holm's method over all metrics and sides shown. dz is Coh
 deviations of the differences. r is the rank-biserial correlation, from -1 to 1. The bootstrap cannot resolve p below \
 0.0005 before adjustment; beyond that p is Student's, as the column `by` shows.";
 
+const STOPPED_LEGEND: &str = "\
+Differences are of means over pairs. A rule stopped the runs when enough was known, so the 95 % intervals are those of a \
+confidence sequence (Waudby-Smith et al., 2024), which hold at every number of seeds. There are no p-values, since the \
+usual ones would not. dz is Cohen's: the difference in standard deviations of the differences.";
+
 const STRATA_LEGEND: &str = "\
 With strata all figures are by seed: the differences of a seed are averaged over its strata, which are treated as \
 fixed. p strata tests that the difference is the same in all strata, the values it is averaged over: an analysis of \
@@ -66,7 +71,8 @@ impl From<&Comparison> for Document {
         if comparison.against_a.iter().all(|against| against.judged.is_empty()) {
             return document;
         }
-        document.add(Block::Text(LEGEND.into()));
+        let legend = if comparison.is_of_stopped_runs() { STOPPED_LEGEND } else { LEGEND };
+        document.add(Block::Text(legend.into()));
         if comparison.against_a.iter().any(has_strata) {
             document.add(Block::Text(STRATA_LEGEND.into()));
         }
@@ -303,6 +309,7 @@ fn method(method: Method) -> &'static str {
         Method::StudentsT => "Student's t",
         Method::Ranks => "ranks",
         Method::Answers => "McNemar",
+        Method::Sequence => "interval",
     }
 }
 

@@ -27,6 +27,12 @@ pub enum ComparisonError {
     NoRows { path: PathBuf },
     #[error("there is no metric `{name}`: {}expected {valid}, or a column of numbers in runs.csv", did_you_mean(.nearest.as_deref()))]
     UnknownMetric { name: String, nearest: Option<String>, valid: String },
+    #[error("{option} is for a number of seeds that was fixed before; a rule stopped these runs when enough was known")]
+    StoppedByRule { option: &'static str },
+    #[error(
+        "`{name}` is measured and differs from machine to machine; expected a metric that the outcome of a run decides"
+    )]
+    MeasuredMetric { name: String },
     #[error("{}: there is no column `{column}` to choose runs by: {}{}", path.display(), did_you_mean(.nearest.as_deref()), offered(.valid))]
     UnknownCondition { path: PathBuf, column: String, nearest: Option<String>, valid: Vec<String> },
     #[error("{}: no run has {column} `{value}`: {}", path.display(), offered(.valid))]

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use crate::comparison::error::ComparisonError;
 use crate::comparison::runs_table::RowField;
 use crate::table::Better::{Higher, Lower};
-use crate::table::{Column, Kind, RUN_COLUMNS, RunRecord, TableReader, Unit, about, columns, run_column};
+use crate::table::{Column, Kind, RUN_COLUMNS, RunRecord, TableReader, Unit, about, columns, is_measured, run_column};
 use wildfire_base::untrusted::visible_start;
 use wildfire_scenario::nearest_name;
 
@@ -100,6 +100,22 @@ impl Metric {
             .unwrap_or_else(|| Self::unknown(name.to_owned(), MetricKind::Unknown))
     }
 
+    /// Returns the metric of this name that the outcome of every run decides: neither unknown nor a measured time.
+    ///
+    /// # Errors
+    /// [`ComparisonError::UnknownMetric`], or [`ComparisonError::MeasuredMetric`].
+    pub fn of_outcomes(name: &str) -> Result<Self, ComparisonError> {
+        let metric = Self::from_name(name);
+        match metric.kind {
+            MetricKind::Unknown => Err(unknown(name, &[])),
+            MetricKind::Column(place) if !RUN_COLUMNS[place].holds_numbers() => Err(unknown(name, &[])),
+            MetricKind::Column(_) if is_measured(name) => {
+                Err(ComparisonError::MeasuredMetric { name: metric.name.into_owned() })
+            }
+            _ => Ok(metric),
+        }
+    }
+
     /// Makes the metric of a column, by its place among [`RUN_COLUMNS`].
     pub const fn of_column(place: usize) -> Self {
         let about = RUN_COLUMNS[place].without_value();
@@ -125,6 +141,18 @@ impl Metric {
         }
     }
 
+    /// Returns a run's value, whatever its kind: an answer is 1 for yes and 0 for no, and a time that was cut off ends with
+    /// the run. `None` of a run that is not done, or has none.
+    pub fn value(&self, run: &RunRecord) -> Option<f64> {
+        let number = |column| run.number(run_column(column));
+        match self.kind {
+            _ if !run.is_done() => None,
+            MetricKind::Answer { column, yes } => Some(f64::from(u8::from(run.text(run_column(column)) == yes))),
+            MetricKind::Time { event, end, start } => number(start).and_then(|_| number(event).or_else(|| number(end))),
+            _ => self.number(run),
+        }
+    }
+
     fn columns(&self) -> Vec<&str> {
         match self.kind {
             MetricKind::Column(_) | MetricKind::Unknown => vec![&self.name],
@@ -145,7 +173,8 @@ impl Metric {
 
 fn unknown(name: &str, tables: &[TableReader]) -> ComparisonError {
     let named = || NAMED_METRICS.iter().map(|metric| metric.name);
-    let columns = tables.iter().flat_map(TableReader::columns).map(String::as_str);
+    let written = tables.iter().flat_map(TableReader::columns).map(String::as_str);
+    let columns = written.chain(RUN_COLUMNS.iter().map(|column| column.name));
     ComparisonError::UnknownMetric {
         name: visible_start(name),
         nearest: nearest_name(name, named().chain(columns)).map(|name| visible_start(&name)),

@@ -53,7 +53,7 @@ pub(crate) use ranking::{RankInput, ranked};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 
-use crate::stats::{Equivalence, RepeatedMeasures, holm};
+use crate::stats::{Equivalence, Interval, RepeatedMeasures, holm};
 use crate::table::QueryTally;
 use runs_table::RunsTable;
 use settings::RecordedSettings;
@@ -76,6 +76,13 @@ pub struct Comparison {
     pub missing: Vec<(char, String)>,
     /// The additional questions about all metrics.
     pub questions: Questions,
+}
+
+impl Comparison {
+    /// Returns whether a rule chose the number of runs of a side.
+    pub fn is_of_stopped_runs(&self) -> bool {
+        self.against_a.iter().flat_map(|against| &against.judged).any(|it| it.contrast.method == Method::Sequence)
+    }
 }
 
 /// A summary of a side's runs.
@@ -175,6 +182,8 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
         &settings[table.expect("a side is of one of the tables")]
     };
+    let error_of_rules =
+        settings.iter().flatten().filter_map(|settings| settings.plan().error_of_rule()).reduce(f64::min);
     let [a, others @ ..] = &sides[..] else { unreachable!("there is a table, and it has runs") };
     let mut missing = Vec::new();
     let mut against_a = Vec::new();
@@ -187,7 +196,10 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
             let columns: Vec<usize> = (first_column..first_column + metric.fields().len()).collect();
             first_column += columns.len();
             match Contrast::between(metric, a, other, &pairs, &columns) {
-                Some(contrast) => contrasts.push(contrast),
+                Some(contrast) => contrasts.push(match error_of_rules {
+                    Some(alpha) => contrast.of_stopped_runs(alpha),
+                    None => contrast,
+                }),
                 None => missing.push((other.letter, metric.name.to_string())),
             }
         }
@@ -286,7 +298,10 @@ impl TestFamily {
     fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
         let p_adjusted = self.means.next().flatten();
         let ranks_p_adjusted = self.ranks.next().flatten();
-        let verdict = Verdict::from_p_values(contrast.p_value, p_adjusted);
+        let verdict = match contrast.method {
+            Method::Sequence => Verdict::from_interval(contrast.interval),
+            _ => Verdict::from_p_values(contrast.p_value, p_adjusted),
+        };
         JudgedContrast {
             contrast,
             p_adjusted,
@@ -313,6 +328,16 @@ impl Verdict {
             (Some(alone), _) if alone <= LEVEL => Self::NotAmongSoMany,
             (Some(_), _) => Self::NoEvidence,
             (None, _) => Self::Equal,
+        }
+    }
+}
+
+impl Verdict {
+    fn from_interval(interval: Option<Interval>) -> Self {
+        match interval {
+            None => Self::Equal,
+            Some(Interval { low, high }) if low > 0.0 || high < 0.0 => Self::Difference,
+            Some(_) => Self::NoEvidence,
         }
     }
 }

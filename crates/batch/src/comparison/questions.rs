@@ -123,6 +123,11 @@ impl Comparison {
     /// # Errors
     /// If an amount has a unit that no metric has.
     pub fn asking(mut self, questions: Questions) -> Result<Self, ComparisonError> {
+        let option =
+            questions.power.as_ref().map(|_| "--power").or(questions.equivalent.as_ref().map(|_| "--equivalent"));
+        if let Some(option) = option.filter(|_| self.is_of_stopped_runs()) {
+            return Err(ComparisonError::StoppedByRule { option });
+        }
         let metrics = || self.against_a.iter().flat_map(|against| &against.judged);
         for (option, amount) in [("--power", &questions.power), ("--equivalent", &questions.equivalent)] {
             let Some(amount) = amount else { continue };

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::execute::entries::JOURNAL;
-use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader};
+use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, write_journal};
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, run_all};
 use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, write_whole};
@@ -96,6 +96,7 @@ impl Batch {
     /// Does the same on a given disk.
     pub fn resume_on(folder: OutputFolder, slice: Slice, disk: Box<dyn Disk>) -> Result<Self, BatchError> {
         let plan = BatchPlan::read(folder.path()).map_err(|error| plan_error(error, &folder))?;
+        let plan = shortened_as_journal(plan, &folder, disk.as_ref())?;
         plan.expect_unchanged_sources()?;
         refuse_other_slices(&folder, slice)?;
         let is_finished = folder.path().join(RUNS_FILE).exists();
@@ -162,13 +163,13 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
+        self.run_with(self.simulation(registry), jobs, stop, on_run)
+    }
+
+    /// Returns the function that simulates a run of this batch.
+    pub fn simulation(&self, registry: &CustomRegistry) -> Box<RunScenario> {
         let options = RunOptions { memory: self.plan.memory, ..registry.clone().into() };
-        self.run_with(
-            Box::new(move |scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options)),
-            jobs,
-            stop,
-            on_run,
-        )
+        Box::new(move |scenario, seed| wildfire_sim::run_with_options(scenario, seed, &options))
     }
 
     /// Does the same with another function that runs a scenario with a seed.
@@ -179,21 +180,43 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
-        let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
-        if !lost.is_empty() || !self.journal.index().is_complete() {
+        self.run_some(|_| true, &Arc::from(run), jobs, stop, on_run)?;
+        // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
+        if !self.journal.index().slice().is_whole() {
+            self.journal.rows()?.expect_unchanged_lines()?;
+        }
+        Ok(())
+    }
+
+    /// Executes those of the missing runs that are wanted now, by their numbers, as [`Self::run`] does.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub(crate) fn run_some(
+        &mut self,
+        is_wanted: impl Fn(u64) -> bool + Copy + Send + 'static,
+        run: &Arc<RunScenario>,
+        jobs: usize,
+        stop: &Arc<AtomicBool>,
+        on_run: impl FnMut(RunEnd),
+    ) -> Result<(), BatchError> {
+        let lost: Vec<u64> = self.found.lost_recordings.drain(..).map(|lost| lost.run).collect();
+        let lost_count = lost.len();
+        let missing = |journal: &OpenJournal| journal.index().missing().filter(move |&run| is_wanted(run));
+        if !lost.is_empty() || missing(&self.journal).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
                 // Of a folder that is gone, the journal says it better.
                 Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
                 noted => noted?,
             }
         }
-        let missing = in_turn(&self.plan, self.journal.index().missing());
+        let in_turn = in_turn(&self.plan, missing(&self.journal));
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
-            run,
+            run: Arc::clone(run),
             stop: Arc::clone(stop),
-            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(missing.map(Task::Run)))),
+            tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(in_turn.map(Task::Run)))),
         };
         let worked_off = run_all(work, jobs, &mut self.journal, on_run);
         // Whatever ended the work, the runs that are over are to be kept.
@@ -201,12 +224,33 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
-        // The tables of a whole batch are written next, row by row; a slice is merged by a process that knows no digests.
-        if !self.journal.index().slice().is_whole() {
-            self.journal.rows()?.expect_unchanged_lines()?;
-        }
-        let is_over = self.journal.index().is_complete() && recorded_again == self.found.lost_recordings.len();
+        let is_over = missing(&self.journal).next().is_none() && recorded_again == lost_count;
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
+    }
+
+    /// Ends a whole batch after its first seeds, all of whose runs are in the journal: plan, journal and recordings become
+    /// those of a batch of these seeds. What a crash leaves of it, resuming completes.
+    pub(crate) fn shorten(self, seeds: u64) -> Result<Self, BatchError> {
+        let plan = self.plan.shortened(seeds);
+        let rows = &mut self.rows()?;
+        let renumbered = plan.runs().map(|run| {
+            let mut row = rows.row(plan.number_among(&self.plan, &run))?;
+            row.label.run = run.number;
+            Ok(row)
+        });
+        write_journal(&self.folder.journal(Slice::WHOLE), &plan, self.disk(), renumbered)?;
+        write_plan(&plan, &self.folder, PLAN_FILE, self.disk())?;
+        // From the first on, so that no name is taken that a later one still has.
+        for run in plan.runs().filter(|_| plan.record != Record::None) {
+            let before = self.plan.run(plan.number_among(&self.plan, &run));
+            let [from, to] =
+                [self.plan.recording_name(&before), plan.recording_name(&run)].map(|it| self.folder.recording(&it));
+            if from != to && from.exists() {
+                fs::rename(&from, &to).map_err(|source| BatchError::unwritable(&to, source))?;
+            }
+        }
+        let Self { folder, disk, .. } = self;
+        Self::resume_on(folder, Slice::WHOLE, disk)
     }
 
     /// Refuses a plan that a program has rewritten meanwhile: its rows would be read by other rules than they were made by.
@@ -274,6 +318,22 @@ fn lost_recordings(
         }
     });
     lost.collect()
+}
+
+/// Returns the plan, or that of the first seeds if the journal is already theirs: the process was stopped after it had
+/// written the journal and before it wrote the plan, which is made up for.
+fn shortened_as_journal(plan: BatchPlan, folder: &OutputFolder, disk: &dyn Disk) -> Result<BatchPlan, BatchError> {
+    let Some(found) = plan.until.as_ref().and_then(|_| plan_of_journal(&folder.journal(Slice::WHOLE))) else {
+        return Ok(plan);
+    };
+    let shorter = (1..plan.seeds.count()).map(|seeds| plan.shortened(seeds));
+    match shorter.filter(|_| found != plan.content_sha256()).find(|shorter| shorter.content_sha256() == found) {
+        Some(shorter) => {
+            write_plan(&shorter, folder, PLAN_FILE, disk)?;
+            Ok(shorter)
+        }
+        None => Ok(plan),
+    }
 }
 
 fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Disk) -> Result<(), BatchError> {

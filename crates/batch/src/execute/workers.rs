@@ -54,7 +54,7 @@ pub fn with_threads<T: Send>(jobs: usize, work: impl FnOnce() -> T + Send) -> Re
 pub struct Work {
     pub plan: Arc<BatchPlan>,
     pub folder: OutputFolder,
-    pub run: Box<RunScenario>,
+    pub run: Arc<RunScenario>,
     /// A flag, set from outside, that stops new runs.
     pub stop: Arc<AtomicBool>,
     pub tasks: Mutex<Box<dyn Iterator<Item = Task> + Send>>,

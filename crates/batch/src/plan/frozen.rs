@@ -13,7 +13,7 @@ use thiserror::Error;
 use super::difference::{differences, differences_of_scenarios};
 use super::request::{MAX_PLAN_BYTES, MAX_VARIANTS};
 use super::{BatchPlan, COMMIT, COMPILER, MAX_FREE_KEYS, MAX_SWEPT_KEYS, PROGRAM, PROGRAM_VERSION, PlanWriter, Record};
-use super::{Seeds, SeedsError, Value, Variant};
+use super::{Seeds, SeedsError, StoppingRule, Value, Variant};
 use wildfire_base::input_file::{self, InputFile, list_of_at_most};
 use wildfire_base::object;
 use wildfire_planning::PlannerName;
@@ -84,6 +84,7 @@ struct PlanBody {
     memory_bytes: MemoryLimit,
     #[serde(default, deserialize_with = "list_of_at_most::<MAX_FREE_KEYS, _, _>")]
     free: Vec<String>,
+    until: Option<StoppingRule>,
     #[serde(deserialize_with = "list_of_at_most::<MAX_SWEPT_KEYS, _, _>")]
     swept_keys: Vec<String>,
     #[serde(deserialize_with = "variants_within_limit")]
@@ -149,6 +150,8 @@ impl BatchPlan {
             // Without free keys there is no member.
             #[serde(flatten)]
             free: free.map(|free| object!(Free { free })),
+            #[serde(flatten)]
+            until: self.until.as_ref().map(|until| object!(Until { until })),
             swept_keys: &self.swept_keys,
             variants: &self.variants,
         });
@@ -158,7 +161,7 @@ impl BatchPlan {
     }
 
     /// SHA-256, in hexadecimal, of the compact JSON of program version, seeds, limit of memory if it is not the usual
-    /// one, swept keys and resolved scenarios: two batches with the same hash have the same outcome columns.
+    /// one, stopping rule if there is one, swept keys and resolved scenarios: two batches with the same hash have the same outcome columns.
     pub fn content_sha256(&self) -> String {
         // The limit decides which runs fail.
         let memory_bytes = (self.memory != MemoryLimit::default()).then_some(self.memory);
@@ -167,6 +170,8 @@ impl BatchPlan {
             seeds: self.seeds.to_string(),
             #[serde(flatten)]
             memory: memory_bytes.map(|memory_bytes| object!(Memory { memory_bytes })),
+            #[serde(flatten)]
+            until: self.until.as_ref().map(|until| object!(Until { until })),
             swept_keys: &self.swept_keys,
             scenarios: self.variants.iter().map(|variant| &variant.scenario).collect::<Vec<_>>(),
         });
@@ -239,6 +244,11 @@ impl BatchPlan {
         let not_a_plan = |reason: &str| PlanError::NotAPlan { path: path.to_owned(), reason: reason.to_owned() };
         if self.variants.is_empty() {
             return Err(not_a_plan("it has no variants"));
+        }
+        if let Some(rule) = &self.until
+            && (!rule.goal.is_valid() || rule.most.first(self.seeds.count()) != self.seeds)
+        {
+            return Err(not_a_plan("its seeds are not the first of those that its stopping rule allows"));
         }
         for variant in &self.variants {
             if variant.swept.len() != self.swept_keys.len() {
@@ -317,9 +327,9 @@ fn is_external(table: &Programs, name: &PlannerName) -> bool {
 
 impl PlanBody {
     fn into_plan(self) -> Result<BatchPlan, SeedsError> {
-        let Self { seeds, record, memory_bytes: memory, free, swept_keys, variants, .. } = self;
+        let Self { seeds, record, memory_bytes: memory, free, until, swept_keys, variants, .. } = self;
         let seeds: Seeds = seeds.parse()?;
-        Ok(BatchPlan { variants, swept_keys, seeds, record, memory, free })
+        Ok(BatchPlan { variants, swept_keys, seeds, record, memory, free, until })
     }
 }
 

@@ -17,6 +17,7 @@ mod request;
 mod seeds;
 mod slice;
 mod sweep;
+mod until;
 mod value;
 
 pub(crate) use course::{AgentFile, Course};
@@ -34,6 +35,7 @@ pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError, range_text};
 pub use slice::{MAX_SLICES, Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError, is_same_value};
+pub use until::{StoppingGoal, StoppingRule, VariantPair};
 pub use value::Value;
 
 use std::fmt::Write;
@@ -84,6 +86,8 @@ pub struct BatchPlan {
     pub memory: MemoryLimit,
     /// The keys in which entries of a course may differ; none of other batches.
     pub free: Vec<String>,
+    /// The rule by which the batch stops; once it has, [`Self::seeds`] are those that were played.
+    pub until: Option<StoppingRule>,
 }
 
 /// A scenario as it is run.
@@ -154,6 +158,7 @@ impl BatchPlan {
             record,
             memory: MemoryLimit::default(),
             free: Vec::new(),
+            until: None,
         }
     }
 

@@ -7,7 +7,7 @@ use serde_json::Value as Json;
 
 use super::frozen::{PLAN_FORMAT, open, read_head, read_json};
 use super::{BatchPlan, MAX_FREE_KEYS, PROGRAM_VERSION, PlanError, RunLabel, Variant};
-use super::{PLAN_FILE, Value};
+use super::{PLAN_FILE, StoppingRule, Value};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_scenario::MemoryLimit;
 
@@ -23,6 +23,7 @@ pub struct RecordedPlan {
     pub memory: MemoryLimit,
     /// The keys in which entries of a course might differ.
     pub free: Vec<String>,
+    pub until: Option<StoppingRule>,
     pub swept_keys: Vec<String>,
     pub variants: Vec<RecordedVariant>,
 }
@@ -50,6 +51,7 @@ struct RecordedBody {
     memory_bytes: MemoryLimit,
     #[serde(default, deserialize_with = "list_of_at_most::<MAX_FREE_KEYS, _, _>")]
     free: Vec<String>,
+    until: Option<StoppingRule>,
     swept_keys: Vec<String>,
     variants: Vec<OtherVariant>,
 }
@@ -72,9 +74,9 @@ impl RecordedPlan {
         let head = read_head(&path, &file)?;
         let program_version = head.program_version;
         if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
-            let BatchPlan { swept_keys, variants, memory, free, .. } = BatchPlan::read(folder)?;
+            let BatchPlan { swept_keys, variants, memory, free, until, .. } = BatchPlan::read(folder)?;
             let variants = variants.into_iter().map(RecordedVariant::from).collect();
-            return Ok(Self { program_version, memory, free, swept_keys, variants });
+            return Ok(Self { program_version, memory, free, until, swept_keys, variants });
         }
         let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
         if bytes > MAX_BYTES_OF_OTHERS {
@@ -82,9 +84,17 @@ impl RecordedPlan {
                 format!("version {program_version} wrote it, of which at most {MAX_BYTES_OF_OTHERS} bytes are read");
             return Err(PlanError::NotAPlan { path, reason });
         }
-        let RecordedBody { memory_bytes: memory, free, swept_keys, variants } = read_json(&path, &file)?;
+        let RecordedBody { memory_bytes: memory, free, until, swept_keys, variants } = read_json(&path, &file)?;
         let variants = variants.into_iter().map(RecordedVariant::from).collect();
-        Ok(Self { program_version, memory, free, swept_keys, variants })
+        Ok(Self { program_version, memory, free, until, swept_keys, variants })
+    }
+}
+
+impl RecordedPlan {
+    /// Returns the error of each question that the stopping rule asks; `None` without a rule.
+    pub fn error_of_rule(&self) -> Option<f64> {
+        let swept: Vec<&[Value]> = self.variants.iter().map(|variant| &variant.swept[..]).collect();
+        self.until.as_ref().map(|_| StoppingRule::error_of_each(StoppingRule::pairs(&swept).len()))
     }
 }
 

@@ -123,6 +123,7 @@ impl BatchRequest {
             record: self.record.unwrap_or_default(),
             memory: self.memory.unwrap_or_default(),
             free: Vec::new(),
+            until: None,
         };
         check_distinct(&plan)?;
         Ok(plan)

@@ -56,6 +56,16 @@ impl Seeds {
         self.ranges[range].start() + (index - self.before[range])
     }
 
+    /// Returns the first ones, at least one and at most all.
+    pub fn first(&self, count: u64) -> Self {
+        let ranges = self.ranges.iter().zip(&self.before).filter(|(_, before)| **before < count.max(1));
+        let cut = ranges.map(|(range, before)| {
+            let more = (count.max(1) - before - 1).min(range.end() - range.start());
+            *range.start()..=range.start() + more
+        });
+        Self::from_ranges(cut.collect())
+    }
+
     fn from_ranges(ranges: Vec<RangeInclusive<u64>>) -> Self {
         let sizes = ranges.iter().map(|range| range.end() - range.start() + 1);
         let before = sizes.scan(0, |before, size| Some(std::mem::replace(before, *before + size))).collect();
@@ -206,6 +216,11 @@ mod tests {
         for text in ["4", "1..5", "7..8,1,3..4"] {
             let parsed: Seeds = text.parse().expect("fine");
             let found: Vec<_> = (0..parsed.count()).map(|index| parsed.nth(index)).collect();
+            for count in 1..=parsed.count() {
+                let first: Vec<u64> = parsed.first(count).iter().collect();
+                assert_eq!(first, parsed.iter().take(count as usize).collect::<Vec<_>>());
+            }
+            assert_eq!(parsed.first(u64::MAX), parsed);
             assert_eq!(found, parsed.iter().collect::<Vec<_>>());
         }
     }

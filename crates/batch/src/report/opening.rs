@@ -16,6 +16,12 @@ impl BatchReport {
     /// Returns a sentence about the winner and how much was saved; for several variants, which saved the most and the
     /// least, and which had failed runs. Significance is left to other sentences.
     pub fn opening(&self, plan: &BatchPlan) -> String {
+        let opening = self.result(plan);
+        let stopped = plan.stop_text().map(|text| format!(" Stopping rule: {text}."));
+        opening + &stopped.unwrap_or_default()
+    }
+
+    fn result(&self, plan: &BatchPlan) -> String {
         let several = match self.variants.as_slice() {
             [one] => return of_one(one),
             several => several,

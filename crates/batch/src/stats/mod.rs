@@ -18,6 +18,7 @@
 //! | means under several conditions | - | - | [`RepeatedMeasures`], that they are equal |
 //! | a mean within a margin of zero | - | Student's t, 90 % | [`Equivalence`], two one-sided tests |
 //! | the power of a paired test | [`paired_power`], [`pairs_for_power`], [`detectable_effect`] | - | - |
+//! | a mean, whenever one looks | - | [`sequence_interval`] | - |
 //! | several tests at once | - | - | [`holm()`] |
 
 use serde::{Serialize, Serializer};
@@ -31,6 +32,7 @@ mod mean;
 mod power;
 mod quantiles;
 mod repeated_measures;
+mod sequence;
 mod series;
 mod signed_ranks;
 mod survival;
@@ -45,6 +47,7 @@ pub use mean::{cohens_dz, estimate_mean};
 pub use power::{POWER, detectable_effect, paired_power, pairs_for_power};
 pub use quantiles::{quantile, quantile_interval};
 pub use repeated_measures::RepeatedMeasures;
+pub use sequence::{first_look, sequence_half_width, sequence_interval};
 pub use series::{Series, UNBOUNDED, welch_interval};
 pub use signed_ranks::SignedRanks;
 pub use survival::{Lifetime, SurvivalCurve, SurvivalStep};

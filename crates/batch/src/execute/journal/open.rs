@@ -5,8 +5,8 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::index::RowReader;
-use super::line::{Head, encode};
+use super::index::{RowReader, read_line_at};
+use super::line::{Head, decode, encode, encode_row};
 use super::{JournalError, JournalIndex};
 use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RunRow, Status};
 use crate::plan::{BatchPlan, Slice};
@@ -95,6 +95,28 @@ impl LockedJournal {
         }
         Ok(journal)
     }
+}
+
+/// Writes the journal of a whole batch in one go, in place of the one that is there.
+pub fn write_journal(
+    path: &Path,
+    plan: &BatchPlan,
+    disk: &dyn Disk,
+    rows: impl Iterator<Item = Result<RunRow, JournalError>>,
+) -> Result<(), BatchError> {
+    let unwritable = |source| BatchError::unwritable(path, source);
+    let mut file = disk.whole_file(path).map_err(unwritable)?;
+    file.write_all(&encode(&Head::new(&plan.content_sha256(), Slice::WHOLE))).map_err(unwritable)?;
+    for row in rows {
+        file.write_all(&encode_row(&row?)).map_err(unwritable)?;
+    }
+    file.finish().map_err(unwritable)
+}
+
+/// Returns the hash of the plan whose journal this is; `None` if its first line cannot be read.
+pub fn plan_of_journal(path: &Path) -> Option<String> {
+    let line = read_line_at(&File::open(path).ok()?, 0).ok()?;
+    decode(&line).ok().map(|head: Head| head.plan_sha256)
 }
 
 fn writer_of(disk: &dyn Disk, path: &Path, file: &File) -> Result<Box<dyn Append>, BatchError> {

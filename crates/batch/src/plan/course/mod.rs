@@ -178,6 +178,7 @@ impl CourseRequest {
                 record,
                 memory: course.memory,
                 free: course.free_keys.clone(),
+                until: None,
             },
             left_out,
         })
