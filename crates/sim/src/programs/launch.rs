@@ -82,6 +82,7 @@ impl ProcessError {
         Self { kind: ProcessErrorKind::BadAnswer, message: format!("refuses the field: {}", visible(&quoted)) }
     }
 
+    #[cfg(unix)]
     pub(super) fn timed_out(message: String) -> Self {
         Self { kind: ProcessErrorKind::TimedOut, message }
     }
