@@ -7,22 +7,23 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use wildfire::cli;
 #[cfg(unix)]
-use wildfire::programs::{ProgramPool, Trust, supervisor};
+use wildfire::programs::supervisor;
+use wildfire::programs::{ProgramPool, Trust};
 use wildfire::sim::{CustomRegistry, StartPrograms};
 
 /// Returns the starter of the programs that scenarios name, if they are trusted.
 pub fn programs(py: Python<'_>, trust: bool) -> Option<Arc<dyn StartPrograms>> {
-    #[cfg(unix)]
-    if trust {
+    trust.then(|| {
         set_supervisor(py);
-        return Some(Arc::new(ProgramPool::new(Trust::All)));
-    }
-    None
+        Arc::new(ProgramPool::new(Trust::All)) as Arc<dyn StartPrograms>
+    })
 }
 
-/// Sets the supervisor of planner programs: the program runs itself again, which here is Python.
-#[cfg(unix)]
+/// Sets the supervisor of planner programs, where there are any: the program runs itself again, which here is Python.
 fn set_supervisor(py: Python<'_>) {
+    #[cfg(not(unix))]
+    let _ = py;
+    #[cfg(unix)]
     if let Ok(python) = py.import("sys").and_then(|sys| sys.getattr("executable")?.extract::<OsString>()) {
         supervisor::set_command(vec![python, "-m".into(), "wildfire_contest".into()]);
     }
@@ -32,7 +33,6 @@ fn set_supervisor(py: Python<'_>) {
 /// the process, and from then on signals end it too.
 #[pyfunction]
 pub fn command_line(py: Python<'_>, words: Vec<OsString>) -> u8 {
-    #[cfg(unix)]
     set_supervisor(py);
     let exit = py.detach(|| cli::main_from(words, CustomRegistry::default()));
     // An exit code can be compared, but not read.

@@ -9,7 +9,8 @@ use wildfire_batch::drives::custom_names;
 use wildfire_batch::plan::BatchPlan;
 use wildfire_planning::{PlannerName, Planners};
 use wildfire_scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
-#[cfg(unix)]
+#[cfg(not(unix))]
+use wildfire_sim::programs::ONLY_ON_UNIX;
 use wildfire_sim::programs::{ProgramPool, Trust};
 use wildfire_sim::{CustomRegistry, RunOptions};
 
@@ -31,7 +32,6 @@ impl CommandContext {
     /// Returns the same with the programs that the arguments of a command name or trust.
     pub fn with_programs(&self, programs: &ProgramArguments) -> Self {
         let mut context = Self { programs: programs.clone(), ..self.clone() };
-        #[cfg(unix)]
         if context.registry.programs.is_none() {
             context.registry.programs = Some(std::sync::Arc::new(ProgramPool::new(context.trust())));
         }
@@ -92,8 +92,9 @@ impl CommandContext {
     fn expect_trusted_program(&self, used: &UsedProgram<'_>) -> Result<(), CliError> {
         let UsedProgram { kind, name, table } = used;
         #[cfg(not(unix))]
-        return Err(CliError::environment(format_args!("the {kind} `{name}` is a program; programs run only on Unix")));
-        #[cfg(unix)]
+        if table.module.is_none() {
+            return Err(CliError::environment(format_args!("the {kind} `{name}` is a program, and {ONLY_ON_UNIX}")));
+        }
         if self.trust().includes(kind, name, table) {
             return Ok(());
         }
@@ -109,16 +110,11 @@ impl CommandContext {
 
     /// Returns the planners that are known on a field of this scenario's run.
     pub fn planners_of(&self, scenario: &Scenario) -> Result<Planners, CliError> {
-        let planners = self.registry.planners.clone();
-        #[cfg(unix)]
-        return ProgramPool::new(self.trust())
-            .planners_of(scenario, planners)
-            .map_err(|error| CliError::bad_input(error, None));
-        #[cfg(not(unix))]
-        Ok(planners)
+        ProgramPool::new(self.trust())
+            .planners_of(scenario, self.registry.planners.clone())
+            .map_err(|error| CliError::bad_input(error, None))
     }
 
-    #[cfg(unix)]
     pub fn trust(&self) -> Trust {
         match self.programs.trust {
             true => Trust::All,

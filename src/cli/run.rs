@@ -193,7 +193,7 @@ pub fn check_agents(option: &str, named: &[AgentId], scenario: &Scenario) -> Res
 
 /// The recording's own name in a folder; the path itself if it names a file.
 fn recording_path(path: &Path, scenario: &Scenario, seed: u64) -> PathBuf {
-    let names_a_folder = path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/');
+    let names_a_folder = path.is_dir() || path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
     if names_a_folder {
         path.join(format!("{}-seed-{seed}.wildfire", file_name_of(&scenario.name)))
     } else {

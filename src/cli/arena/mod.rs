@@ -25,7 +25,6 @@ use wildfire_batch::arena::{
 };
 use wildfire_batch::plan::{BatchPlan, CourseRefusal, MAX_SEEDS_BYTES, Seeds};
 use wildfire_scenario::Scenario;
-#[cfg(unix)]
 use wildfire_sim::programs::ProgramPool;
 
 /// The folder of a board, unless another is named.
@@ -252,13 +251,10 @@ impl ArenaStage {
     ) -> Result<Vec<Played>, CliError> {
         self.context.expect_trusted_plan(plan)?;
         // One pool for all runs, so that a module is compiled once.
-        #[cfg(unix)]
         let pool = ProgramPool::new(self.context.trust());
         let planners_of = |scenario: &Scenario| {
             let planners = self.context.registry.planners.clone();
-            #[cfg(unix)]
-            let planners = pool.planners_of(scenario, planners).map_err(|error| error.to_string())?;
-            Ok(planners)
+            pool.planners_of(scenario, planners).map_err(|error| error.to_string())
         };
         let players = Players { registry: &self.context.registry, planners_of: &planners_of, jobs: self.jobs };
         Ok(play(track, plan, numbers, &players, || progress.advance())?)

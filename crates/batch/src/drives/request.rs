@@ -7,7 +7,6 @@ use super::table::DriveTable;
 use wildfire_planning::{PlannerName, TruckPlannerKind};
 use wildfire_scenario::{LoadedScenario, MemoryLimit, Problem, Scenario};
 use wildfire_sim::CustomRegistry;
-#[cfg(unix)]
 use wildfire_sim::programs::{ProgramPool, Trust};
 
 /// Drives on the fields of one scenario, with one seed.
@@ -36,11 +35,8 @@ impl DriveRequest {
         let problems = self.problems.load(&scenario, self.seed)?;
         let planners = requested_planners(&self.planners, &scenario);
         expect_planners_exist(registry, &scenario, &planners)?;
-        #[cfg(unix)]
         let makers =
             ProgramPool::new(Trust::Only(Default::default())).planners_of(&scenario, registry.planners.clone())?;
-        #[cfg(not(unix))]
-        let makers = registry.planners.clone();
         let programs = &scenario.planner;
         let question =
             AttemptSettings { planners: &planners, makers: &makers, programs, seed: self.seed, limit: self.memory };

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use wildfire_module::{Failure, FailureKind, ModuleInstance};
 
-use super::process::{Launch, Process, ProcessError, ProcessErrorKind, QueryLimits, say};
+use super::launch::{Launch, MAX_STDERR_LINES, ProcessError, ProcessErrorKind, QueryLimits, say};
+use super::process::Process;
 use super::protocol::ToProgram;
-use super::supervisor::MAX_STDERR_LINES;
 
 /// Something that answers a line with a line.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::backend::Backend;
-use super::process::{CpuLimit, Launch, ProcessError, ProcessErrorKind, QueryLimits};
+use super::launch::{CpuLimit, Launch, ProcessError, ProcessErrorKind, QueryLimits};
 use super::protocol::{FromProgram, ToProgram, VERSION};
 use wildfire_base::time::wall::WallStopwatch;
 

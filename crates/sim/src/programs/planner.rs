@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::DVec2;
 
 use super::external_client::{ExternalClient, Idle, Reply};
-use super::process::ProcessError;
+use super::launch::ProcessError;
 use super::protocol::{FromProgram, GoalMessage, PathAnswer, PlanQuery, Reason, ToProgram};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Path, ReedsShepp, Segment};

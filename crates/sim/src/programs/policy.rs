@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::external_client::{ExternalClient, Idle, Reply};
-use super::process::ProcessError;
+use super::launch::ProcessError;
 use super::protocol::{FromProgram, question};
 use crate::policies::{Action, FirelineContext, Observation, Policy, QueryReport};
 use wildfire_base::geometry::{Cell, DVec2};

@@ -9,11 +9,10 @@ use rand::Rng;
 use serde_json::Value;
 
 use super::external_client::{ExternalClient, Idle};
+use super::launch::{Launch, ProcessLimits};
 use super::planner::ProgramPlanner;
 use super::policy::ProgramPolicy;
-use super::process::Launch;
 use super::protocol::{FieldMessage, LimitsMessage, ToProgram, VehicleMessage};
-use super::supervisor::ProcessLimits;
 use crate::StartPrograms;
 use crate::policies::{Policies, Policy, PolicyContext, PolicyNameError};
 use wildfire_base::geometry::{Cell, FieldFrame};

@@ -31,6 +31,7 @@ use serde::{Deserialize, Serialize};
 use signal_hook::consts::SIGCHLD;
 use signal_hook::low_level::pipe;
 
+use super::launch::{MAX_STDERR_LINES, ProcessLimits};
 use super::process_tree::ProcessTree;
 use wildfire_base::time::wall::WallStopwatch;
 
@@ -51,9 +52,6 @@ pub const GRACE: Duration = Duration::from_secs(2);
 
 /// The time after which processes that do not end although they were killed are left to the system.
 const GIVE_UP: Duration = Duration::from_secs(10);
-
-/// The most lines of stderr that are handed on in a run.
-pub const MAX_STDERR_LINES: u64 = 10_000;
 
 /// The most bytes of a line of stderr that are handed on.
 const MAX_STDERR_LINE_BYTES: usize = 2000;
@@ -138,14 +136,6 @@ static COMMAND: OnceLock<Vec<OsString>> = OnceLock::new();
 /// program names an executable of `wildfire`. Only the first call has an effect.
 pub fn set_command(command: Vec<OsString>) {
     let _ = COMMAND.set(command);
-}
-
-/// The limits that a supervisor watches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ProcessLimits {
-    /// In megabytes, of all processes together.
-    pub memory_mb: u64,
-    pub processes: usize,
 }
 
 /// Returns the command that starts a supervisor of a program, which is to work in this folder, with its arguments.
