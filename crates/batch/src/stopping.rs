@@ -260,7 +260,7 @@ impl Batch {
             return Ok((self, None));
         };
         let run = Arc::from(run);
-        let [variants, most] = [self.plan().variants.len() as u64, self.plan().seeds.count()];
+        let most = self.plan().seeds.count();
         let mut monitor = Monitor::new(rule, self.plan());
         let mut played = 0;
         loop {

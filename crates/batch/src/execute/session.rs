@@ -202,15 +202,14 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.drain(..).map(|lost| lost.run).collect();
         let lost_count = lost.len();
-        let missing = |journal: &OpenJournal| journal.index().missing().filter(move |&run| is_wanted(run));
-        if !lost.is_empty() || missing(&self.journal).next().is_some() {
+        if !lost.is_empty() || self.journal.index().missing(is_wanted).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
                 // Of a folder that is gone, the journal says it better.
                 Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
                 noted => noted?,
             }
         }
-        let in_turn = in_turn(&self.plan, missing(&self.journal));
+        let in_turn = in_turn(&self.plan, self.journal.index().missing(is_wanted));
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
@@ -224,7 +223,7 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
-        let is_over = missing(&self.journal).next().is_none() && recorded_again == lost_count;
+        let is_over = self.journal.index().missing(is_wanted).next().is_none() && recorded_again == lost_count;
         if is_over { Ok(()) } else { Err(BatchError::Stopped) }
     }
 

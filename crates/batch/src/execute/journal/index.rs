@@ -176,11 +176,18 @@ impl JournalIndex {
         self.stored == self.count()
     }
 
-    /// Iterates over the runs that are missing from the journal, in order.
-    pub fn missing(&self) -> impl Iterator<Item = u64> + Send + 'static {
+    /// Iterates over the runs that are wanted and missing from the journal, in order.
+    pub fn missing<F: Fn(u64) -> bool + Send + 'static>(
+        &self,
+        is_wanted: F,
+    ) -> impl Iterator<Item = u64> + Send + use<F> {
         let (slice, is_stored): (Slice, Vec<bool>) =
             (self.slice, self.offsets.iter().map(|&offset| offset != 0).collect());
-        (0..).zip(is_stored).filter(|(_, is_stored)| !is_stored).map(move |(place, _)| slice.run_at(place))
+        (0..)
+            .zip(is_stored)
+            .filter(|(_, is_stored)| !is_stored)
+            .map(move |(place, _)| slice.run_at(place))
+            .filter(move |&run| is_wanted(run))
     }
 
     /// Iterates over the runs with recordings that were in the journal when it was read, in order.
