@@ -114,8 +114,11 @@ impl Orders {
         // Where crews go changes while they walk, as the fire grows, but is slower than they are.
         for _ in 0..8 {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
-            let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
-            arrivals = self.crews.iter().map(|crew| set_out(crew) + walk_m(crew) / crew.speed_mps).collect();
+            let arrives = |crew: &Crew| {
+                let walk_m = (goal - DVec2::new(crew.x_m, crew.y_m)).length();
+                set_out(crew) + walk_m / crew.speed_mps
+            };
+            arrivals = self.crews.iter().map(arrives).collect();
         }
         let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
         self.task(first(&arrivals), &rate_mps).along_front(forecast, from, offset_m).cells(forecast)

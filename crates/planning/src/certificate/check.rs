@@ -67,8 +67,10 @@ impl Certificate {
         for centre in &bushes.centres {
             for corner in bushes.outline(*centre, bushes.radius_m) {
                 let straight_m = corner.distance(places[0]) + corner.distance(places[1]);
-                let is_listed = || corners.iter().any(|(other, _)| other.distance_squared(corner) < SAME_M * SAME_M);
-                if straight_m < self.bound_m && !bushes.shuts_out(corner, bushes.radius_m) && !is_listed() {
+                if straight_m < self.bound_m
+                    && !bushes.shuts_out(corner, bushes.radius_m)
+                    && !corners.iter().any(|(listed, _)| listed.distance_squared(corner) < SAME_M * SAME_M)
+                {
                     return Err(BadCertificate::MissingCorner(corner));
                 }
             }
