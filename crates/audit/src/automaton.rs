@@ -28,7 +28,9 @@ struct Automaton<'a> {
 /// Holds all that spread, and all that should have, against the draws; returns the first violation that is found.
 pub fn audit_automaton(
     setting: &Setting,
-    (landscape, weather, rules): (&Landscape, &Weather, AlexandridisRules),
+    landscape: &Landscape,
+    weather: &Weather,
+    rules: AlexandridisRules,
     log: &CellLog<'_>,
     end: SimTime,
 ) -> Result<(), Violation> {

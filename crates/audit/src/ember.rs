@@ -24,7 +24,9 @@ type Spark = (SimTime, usize, usize);
 /// Holds all fires by embers, and all that should have been, against the draws; returns the first violation in time.
 pub fn audit_embers(
     setting: &Setting,
-    (landscape, weather, rules): (&Landscape, &Weather, &RothermelRules),
+    landscape: &Landscape,
+    weather: &Weather,
+    rules: &RothermelRules,
     log: &CellLog<'_>,
     end: SimTime,
 ) -> Result<(), Violation> {
@@ -85,6 +87,6 @@ fn ember_source(
 fn thrown(embers: &Embers, source: &EmberSource, landscape: &Landscape, weather: &Weather) -> Vec<Spark> {
     let frame = &landscape.frame;
     let landings = embers.landings(source, landscape, weather).into_iter();
-    let spark = |ignites, cell| (ignites, frame.index(cell), frame.index(source.cell));
-    landings.filter_map(|landing| Some(spark(landing.ignites?, landing.cell))).collect()
+    let from = frame.index(source.cell);
+    landings.filter_map(|landing| Some((landing.ignites?, frame.index(landing.cell), from))).collect()
 }

@@ -54,11 +54,11 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
         SpreadSetting::Rothermel { landscape, weather, rules } => {
             let arrivals = Arrivals::new(landscape, weather, *rules);
             let came = ArrivalCheck::new(setting, arrivals, &changes, end).check();
-            let flew = audit_embers(setting, (landscape, weather, rules), &log, end);
+            let flew = audit_embers(setting, landscape, weather, rules, &log, end);
             first_violation([followed, came, flew].into_iter())
         }
         SpreadSetting::Alexandridis { landscape, weather, rules } => {
-            let tried = audit_automaton(setting, (landscape, weather, *rules), &log, end);
+            let tried = audit_automaton(setting, landscape, weather, *rules, &log, end);
             first_violation([followed, tried].into_iter())
         }
     }

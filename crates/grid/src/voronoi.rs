@@ -173,7 +173,8 @@ impl Ranked for OpenVertex {
 pub fn path_along(
     occupied: &Grid<bool>,
     diagram: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     corners: CornerCutting,
 ) -> Result<Route, BadPlace> {
     if !place::check_ends(occupied, start, goal)? {
@@ -280,11 +281,11 @@ mod tests {
     fn path_keeps_to_the_middle_between_walls() {
         let room = Grid::filled(5, 9, false);
         let found = voronoi(&room, Sites::Obstacles);
-        let route = path_along(&room, &found.diagram, ((1, 0), (3, 8)), CornerCutting::Allowed).unwrap();
+        let route = path_along(&room, &found.diagram, (1, 0), (3, 8), CornerCutting::Allowed).unwrap();
         let Route::Found(cells) = route else { panic!("{route:?}") };
         assert!((2..7).all(|col| cells.contains(&(2, col))), "{cells:?}");
         let empty = Grid::filled(5, 9, false);
-        let route = path_along(&room, &empty, ((0, 0), (0, 8)), CornerCutting::Allowed).unwrap();
+        let route = path_along(&room, &empty, (0, 0), (0, 8), CornerCutting::Allowed).unwrap();
         assert_eq!(route, Route::Found((0..9).map(|col| (0, col)).collect()));
     }
 
@@ -293,7 +294,7 @@ mod tests {
         let maze = drawn::maze(31, 31, 5, &mut rng::stream(2, "grid/voronoi"));
         assert!(!voronoi(&maze, Sites::Obstacles).diagram.values().contains(&true));
         let found = voronoi(&maze, Sites::Cells);
-        let route = path_along(&maze, &found.diagram, ((3, 3), (27, 27)), CornerCutting::Forbidden).unwrap();
+        let route = path_along(&maze, &found.diagram, (3, 3), (27, 27), CornerCutting::Forbidden).unwrap();
         let Route::Found(cells) = route else { panic!("{route:?}") };
         let on = cells.iter().filter(|&&cell| found.diagram[cell]).count();
         assert!(10 * on > 9 * cells.len(), "{on} of {} cells", cells.len());

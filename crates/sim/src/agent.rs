@@ -169,7 +169,8 @@ impl Agent {
         &mut self,
         entity: Entity,
         now: SimTime,
-        (goal, trajectory): (Cell, Trajectory),
+        goal: Cell,
+        trajectory: Trajectory,
         then: AgentEvent,
         queue: &mut SimQueue,
     ) {

@@ -138,7 +138,8 @@ impl Simulation {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
         let (mut world, schedule) = empty_world();
-        let (setting, cost) = setup::fill(&mut world, scenario, seed, &meter, options)?;
+        let mut cost = RunCost::default();
+        let setting = setup::fill(&mut world, scenario, seed, &meter, options, &mut cost)?;
         let memory = Memory { limit: options.memory, estimate, meter };
         let simulation = Self { world, schedule, setting, cost, has_started: false, memory };
         simulation.expect_within_memory()?;

@@ -33,17 +33,16 @@ use super::walk_lattices::WalkLattices;
 use super::water::WaterNeeds;
 use super::{line, truck, wumpus};
 
-/// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
-/// the cost.
+/// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline.
 pub fn fill(
     world: &mut World,
     scenario: &Scenario,
     seed: u64,
     memory: &MemoryMeter,
     options: &RunOptions,
-) -> Result<(Setting, RunCost), RunError> {
+    cost: &mut RunCost,
+) -> Result<Setting, RunError> {
     let (planners, policies_by_name) = options.registry_of(scenario)?;
-    let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
     let terrain = Terrain::from_scenario(scenario, seed)?;
     cost.terrain = stopwatch.elapsed_since_last();
@@ -88,7 +87,7 @@ pub fn fill(
     for (number, settings) in scenario.unimog.iter().enumerate() {
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
     }
-    Ok((setting(scenario, seed, &terrain, starts, spread), cost))
+    Ok(setting(scenario, seed, &terrain, starts, spread))
 }
 
 /// Makes the policies of a run: one for all agents of a name, and for crews that follow it.

@@ -209,10 +209,10 @@ impl Turn<'_> {
         let mut stopwatch = CpuStopwatch::start();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let walk =
-            planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
+            planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, goal, wumpus.reach_m, &mut monitor);
         agent.cost.local_search += stopwatch.elapsed_since_last();
         *ready += wumpus.charge(walk.expansions);
-        recorder.record_searches(*now, agent.id, monitor.finish().1);
+        recorder.record_searches(*now, agent.id, monitor.finish().searches);
         if walk.is_stuck() && walk.minimum == Some(wumpus.point) {
             self.fail(goal, walk.expansions, *ready);
             return false;
@@ -234,7 +234,7 @@ impl Turn<'_> {
         let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
         let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, found_by: None };
         agent.answer(*now, fact, recorder);
-        agent.set_out(*entity, *now, (goal, trajectory), AgentEvent::Lighting, queue);
+        agent.set_out(*entity, *now, goal, trajectory, AgentEvent::Lighting, queue);
     }
 
     /// Books a plan that failed because the Wumpus stands at a local minimum; its planning time is over at `until`.

@@ -103,7 +103,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
-        return Ok(exit_code(batch.progress().stored().1));
+        return Ok(exit_code(batch.progress().not_done()));
     }
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
@@ -261,7 +261,8 @@ fn run_with_progress(
     stop: &Arc<AtomicBool>,
     context: &CommandContext,
 ) -> Result<(), BatchError> {
-    let (stored, mut not_done) = batch.progress().stored();
+    let stored = batch.progress().stored();
+    let mut not_done = batch.progress().not_done();
     let lost = batch.found().lost_recordings.len() as u64;
     let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).resumed(stored);
     // Only of a batch from its beginning, whose runs are all still to come.
@@ -282,11 +283,12 @@ fn run_with_progress(
 }
 
 fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
-    let slice = batch.progress().slice();
-    let (stored, not_done) = batch.progress().stored();
+    let progress = batch.progress();
+    let slice = progress.slice().to_string();
     let folder = batch.folder().path().display().to_string();
     let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.args());
-    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: stored, not_done, merge }
+    let runs = progress.stored();
+    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice, runs, not_done: progress.not_done(), merge }
 }
 
 /// Lists what a plan would run.

@@ -67,11 +67,16 @@ fn state_of(
         Err(source) => return Err(JournalError::Unreadable { path, source }),
     };
     let index = JournalIndex::read(&path, &file, plan, slice)?;
-    let (stored, not_done) = index.stored();
     for (&variant, failed) in index.failures() {
         add_failed(failures, variant, failed.clone());
     }
-    Ok(SliceState { runs: index.count(), stored, not_done, repeated: index.repeated(), is_running })
+    Ok(SliceState {
+        runs: index.count(),
+        stored: index.stored(),
+        not_done: index.not_done(),
+        repeated: index.repeated(),
+        is_running,
+    })
 }
 
 /// Returns the slices of which a folder has journals, all of one partition.

@@ -94,7 +94,8 @@ impl SearchOrder {
 /// If the map has more cells than 32 bits can number, or [`SearchOrder::check`] refuses the order.
 pub fn search_best_first(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     order: SearchOrder,
     connectivity: Connectivity,
     corners: CornerCutting,

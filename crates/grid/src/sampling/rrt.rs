@@ -64,7 +64,8 @@ impl RrtSettings {
 /// If [`RrtSettings::check`] refuses the settings.
 pub fn grow_tree(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     kind: TreeKind,
     settings: &RrtSettings,
 ) -> Result<PointGraph, BadPlace> {
@@ -116,9 +117,8 @@ fn steered(from: GridPoint, aim: GridPoint, step: f64) -> GridPoint {
     if distance <= step {
         return aim;
     }
-    let (from, aim) = (from.units(), aim.units());
     let along = |from: i64, aim: i64| from + ((aim - from) as f64 * (step / distance)).round() as i64;
-    GridPoint::from_units(along(from.0, aim.0), along(from.1, aim.1))
+    GridPoint::from_units(along(from.row, aim.row), along(from.col, aim.col))
 }
 
 struct SearchTree<'a> {

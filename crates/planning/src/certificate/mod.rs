@@ -80,22 +80,17 @@ impl Certificate {
     ///
     /// Without a cut it says how long the Reeds-Shepp curve is: where that is more, the poses are too close together for a
     /// cut, or corners are too many.
-    pub fn new(checker: &CollisionChecker, ends: (Pose, Pose), clearance_m: f64, reach_m: f64) -> Option<Self> {
-        let curve_m = ReedsShepp { radius_m: checker.body().turning_radius_m }.length_m(ends.0, ends.1);
-        let cut = Self::with_cut(checker, ends, clearance_m, reach_m);
-        let [start, goal] = [ends.0, ends.1].map(|pose| [pose.x, pose.y, pose.heading]);
+    pub fn new(checker: &CollisionChecker, start: Pose, goal: Pose, clearance_m: f64, reach_m: f64) -> Option<Self> {
+        let curve_m = ReedsShepp { radius_m: checker.body().turning_radius_m }.length_m(start, goal);
+        let cut = Self::with_cut(checker, start, goal, clearance_m, reach_m);
+        let [start, goal] = [start, goal].map(|pose| [pose.x, pose.y, pose.heading]);
         let bound_m = curve_m - ROUNDING_M;
         let step_m = STEPS_M[1].max(bound_m / MAX_POSITIONS);
         let without = Self { start, goal, clearance_m, bound_m, cut: 0.5, step_m, corners: Vec::new() };
         cut.filter(|cut| cut.bound_m > bound_m).or_else(|| (bound_m > 0.0).then_some(without))
     }
 
-    fn with_cut(
-        checker: &CollisionChecker,
-        (start, goal): (Pose, Pose),
-        clearance_m: f64,
-        reach_m: f64,
-    ) -> Option<Self> {
+    fn with_cut(checker: &CollisionChecker, start: Pose, goal: Pose, clearance_m: f64, reach_m: f64) -> Option<Self> {
         let terrain = GrownTerrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
@@ -350,15 +345,13 @@ mod tests {
                 for &goal in &goals {
                     let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path else { continue };
                     let clearance_m = (least_clearance(&field.checker, &path) - 0.01).clamp(0.0, 1.0);
-                    let ends = (field.start, goal);
                     let length_m = path.length_m();
-                    let Some(certificate) = Certificate::new(&field.checker, ends, clearance_m, length_m + 1.0) else {
-                        continue;
-                    };
+                    let found = Certificate::new(&field.checker, field.start, goal, clearance_m, length_m + 1.0);
+                    let Some(certificate) = found else { continue };
                     assert_eq!(certificate.check(&field.checker), Ok(()), "{kind}, field {seed}, {goal:?}");
                     assert!(certificate.bound_m <= length_m, "{kind}, field {seed}, {goal:?}");
                     certified += 1;
-                    better += u32::from(certificate.bound_m > curve_m(ends.0, ends.1));
+                    better += u32::from(certificate.bound_m > curve_m(field.start, goal));
                 }
             }
         }
@@ -371,13 +364,13 @@ mod tests {
         for (heading, goal) in [(0.0, Pose::new(80.0, 50.0, 0.0)), (2.0, Pose::new(70.0, 80.0, -1.0))] {
             let start = Pose::new(20.0, 50.0, heading);
             let length_m = curve_m(start, goal);
-            let certificate = Certificate::new(&open.checker, (start, goal), 0.3, length_m + 5.0).unwrap();
+            let certificate = Certificate::new(&open.checker, start, goal, 0.3, length_m + 5.0).unwrap();
             assert_eq!(certificate.check(&open.checker), Ok(()));
             let gap_m = length_m - certificate.bound_m;
             assert!((0.0..0.01 * length_m).contains(&gap_m), "{length_m} m, {gap_m} m");
         }
         let (field, ends) = walled();
-        let certificate = Certificate::new(&field.checker, ends, 0.3, 100.0).unwrap();
+        let certificate = Certificate::new(&field.checker, ends.0, ends.1, 0.3, 100.0).unwrap();
         assert_eq!(certificate.check(&field.checker), Ok(()));
         // Round the wall's end at (52.5, 25): twice the hypotenuse of about 32 and 26 m, with the turns more.
         assert!(certificate.bound_m > 80.0, "{} m", certificate.bound_m);
@@ -386,7 +379,7 @@ mod tests {
     #[test]
     fn a_certificate_that_was_changed_is_refused() {
         let (field, ends) = walled();
-        let certificate = Certificate::new(&field.checker, ends, 0.3, 100.0).unwrap();
+        let certificate = Certificate::new(&field.checker, ends.0, ends.1, 0.3, 100.0).unwrap();
         let refused = |change: &dyn Fn(&mut Certificate)| {
             let mut changed = certificate.clone();
             change(&mut changed);

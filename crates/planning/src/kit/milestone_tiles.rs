@@ -98,7 +98,8 @@ impl MilestoneTiles {
     pub fn within(
         &mut self,
         milestones: &mut impl SampleSink,
-        (place, reach_m): (DVec2, f64),
+        place: DVec2,
+        reach_m: f64,
         found: &mut Vec<(f64, u32)>,
     ) {
         found.clear();

@@ -320,9 +320,7 @@ impl RelaxedSearch {
         let found = goals.into_iter().find_map(|goal| {
             let budget = self.settings.max_expansions - self.expansions;
             let query = FloodQuery { start, goal, budget, lattices: FLOODS };
-            let (path, spent) = self.floods.find_within(&query, observer);
-            self.expansions += spent;
-            path.ok()
+            self.floods.find_within(&query, observer, &mut self.expansions).ok()
         });
         found.ok_or(SearchFailure::Exhausted)
     }

@@ -71,11 +71,17 @@ impl fmt::Display for RuleBreach {
     }
 }
 
-/// Checks a schedule for every vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
-/// and of every pair.
-///
-/// Also returns the routes, in the order of the instance, if all steps can be driven.
-pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<RuleBreach>, Option<Vec<Route>>) {
+/// The result of the check of a solution.
+#[derive(Debug)]
+pub struct ScheduleCheck {
+    /// The first fault of every vehicle, of every vehicle with an obstacle, and of every pair.
+    pub faults: Vec<RuleBreach>,
+    /// The routes, in the order of the instance, if all steps can be driven.
+    pub routes: Option<Vec<Route>>,
+}
+
+/// Checks a schedule for every vehicle of an instance.
+pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> ScheduleCheck {
     let mut faults = Vec::new();
     let mut tracks = Vec::new();
     let mut routes = Vec::new();
@@ -123,7 +129,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Ru
             }
         }
     }
-    (faults, (routes.len() == instance.vehicles.len()).then_some(routes))
+    ScheduleCheck { faults, routes: (routes.len() == instance.vehicles.len()).then_some(routes) }
 }
 
 /// A vehicle's steps; the last, which stands, is forever.

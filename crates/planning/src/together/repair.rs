@@ -107,7 +107,7 @@ impl fmt::Display for Unsolved {
     }
 }
 
-/// Finds a route for every vehicle. `is_stopped`, which is asked every few expansions, can only end the search without
+/// Finds a route for every vehicle, and says what that took. `is_stopped`, which is asked every few expansions, can only end the search without
 /// routes, or its last part, which makes them cheaper.
 ///
 /// # Errors
@@ -116,11 +116,12 @@ pub fn plan(
     instance: &Instance,
     settings: &PlanTogether,
     is_stopped: &mut dyn FnMut() -> bool,
-) -> (Result<Vec<Route>, Unsolved>, RepairEffort) {
+    effort: &mut RepairEffort,
+) -> Result<Vec<Route>, Unsolved> {
     let mut team = RepairTeam::new(instance, settings, is_stopped);
     let found = team.solve();
-    let effort = RepairEffort { expansions: team.search.expanded, rounds: team.rounds };
-    (found.map(|()| team.routes.into_iter().map(|route| route.expect("all have routes")).collect()), effort)
+    *effort = RepairEffort { expansions: team.search.expanded, rounds: team.rounds };
+    found.map(|()| team.routes.into_iter().map(|route| route.expect("all have routes")).collect())
 }
 
 struct RepairTeam<'a> {

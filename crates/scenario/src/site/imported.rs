@@ -222,7 +222,8 @@ pub(crate) fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath)
     let message = error.to_string();
     let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
     let is_of_a_member = error.is_data() && path != FieldPath::default();
-    let message = if is_of_a_member { fault_from_message(sentence, path).0.to_string() } else { sentence.to_owned() };
+    let message =
+        if is_of_a_member { fault_from_message(sentence, path).fault.to_string() } else { sentence.to_owned() };
     MapFault::Json { message }.at(character_at(text, at))
 }
 

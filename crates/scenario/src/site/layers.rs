@@ -757,9 +757,9 @@ impl ImportedLayers {
         }
     }
 
-    /// Says whether files give the fuel, and whether they give the relief.
-    pub fn gives(&self) -> (bool, bool) {
-        (self.fuel.is_some(), self.elevation.is_some() || self.gradient.is_some())
+    /// Says whether files give the fuel or the relief.
+    pub fn gives_ground(&self) -> bool {
+        self.fuel.is_some() || self.elevation.is_some() || self.gradient.is_some()
     }
 
     /// Checks layers that were not read from rasters but from a plan.

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use super::drive::DepartureContext;
+use super::drive::{Departure, DepartureContext};
 use super::{Blocked, DecisionState, Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
@@ -27,7 +27,7 @@ const MAX_GOALS: usize = 6;
 
 /// The result of a choice.
 pub enum DecisionOutcome {
-    SetsOut(Drive, Trajectory),
+    SetsOut(Departure),
     Relocates(Relocation),
     /// Planning time of a failed plan is charged.
     Thinks,
@@ -109,12 +109,12 @@ fn depart_or_wait(
     let may_lead_elsewhere = truck.traffic.plan == TrafficPlan::Together && !by_flood;
     match truck.depart(drive, outset) {
         // Others pass: another path may arrive before they are gone.
-        Ok((drive, leg)) if may_lead_elsewhere && leg.sets_out_at() > leg.start_time() => {
-            let other = truck.plan_among(&drive, outset, &mut agent.cost);
-            let (drive, leg) = other.filter(|(_, other)| other.end_time() < leg.end_time()).unwrap_or((drive, leg));
-            Some(DecisionOutcome::SetsOut(drive, leg))
+        Ok(first) if may_lead_elsewhere && first.leg.sets_out_at() > first.leg.start_time() => {
+            let other = truck.plan_among(&first.drive, outset, &mut agent.cost);
+            let earlier = other.filter(|other| other.leg.end_time() < first.leg.end_time());
+            Some(DecisionOutcome::SetsOut(earlier.unwrap_or(first)))
         }
-        Ok((drive, leg)) => Some(DecisionOutcome::SetsOut(drive, leg)),
+        Ok(departure) => Some(DecisionOutcome::SetsOut(departure)),
         Err(blocked) if by_flood => Some(DecisionOutcome::Waits(vec![blocked])),
         Err(blocked) => {
             // Looking for a way round is expensive: once for every truck that is in the way.
@@ -128,7 +128,7 @@ fn depart_or_wait(
             if detour.is_none() {
                 state.blocked.push(blocked);
             }
-            detour.map(|(drive, leg)| DecisionOutcome::SetsOut(drive, leg))
+            detour.map(DecisionOutcome::SetsOut)
         }
     }
 }
@@ -310,8 +310,8 @@ impl Fleet<'_, '_> {
             let pose = agent.trajectory.start();
             let frame = fires.frame();
             let outset = DepartureContext { now, pose, frame, traffic, delay };
-            if let Some((drive, leg)) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
-                return DecisionOutcome::SetsOut(drive, leg);
+            if let Some(departure) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
+                return DecisionOutcome::SetsOut(departure);
             }
         }
         DecisionOutcome::Waits(blocked)
@@ -328,12 +328,10 @@ impl Fleet<'_, '_> {
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let state = truck.deliberation.take()?;
         cpu_log.add(now, agent.id, agent.cost.total() - state.cpu);
-        let has_new_plans = matches!(
-            conclusion,
-            DecisionOutcome::SetsOut(..) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks
-        );
+        let has_new_plans =
+            matches!(conclusion, DecisionOutcome::SetsOut(_) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks);
         match conclusion {
-            DecisionOutcome::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            DecisionOutcome::SetsOut(Departure { drive, leg }) => self.set_out(entity, drive, leg),
             DecisionOutcome::Relocates(Relocation { place, leg, effort, found_by }) => {
                 truck.tracks.set_out(0.0);
                 let (x_m, y_m) = (place.x, place.y);

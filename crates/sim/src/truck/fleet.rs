@@ -86,7 +86,7 @@ impl Fleet<'_, '_> {
         let trucks = self.entities().map(|entity| {
             let (agent, truck) = self.trucks.one(entity);
             let is_idle = matches!(agent.activity, Activity::Resting(_) | Activity::Blocked);
-            Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle)
+            Reservation::new(entity, agent.id, truck.body, agent.trajectory.clone(), is_idle)
         });
         if self.trucks.count() > 1 { trucks.collect() } else { Vec::new() }
     }
@@ -119,7 +119,7 @@ impl Fleet<'_, '_> {
         let found_by = Some(found_by);
         let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, found_by };
         agent.answer(self.clock.0, fact, &mut self.recorder);
-        agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
+        agent.set_out(entity, self.clock.0, goal, leg, AgentEvent::Arrival, &mut self.queue);
     }
 
     /// Lets a truck without a goal move aside for another truck.
@@ -261,9 +261,9 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
             let mut others: Vec<Cell> = stop.others(field).collect();
             let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
             others.sort_by(|a, b| away(a).total_cmp(&away(b)));
-            let (cells, taken) = needs.of_stop(cell, others, left);
-            truck.extinguish_set = Some(cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
-            water_units = taken;
+            let plan = needs.plan_stop(cell, others, left);
+            truck.extinguish_set = Some(plan.cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
+            water_units = plan.water_units;
         }
         fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell, water_units });
         let spraying = truck.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(water_units));

@@ -36,7 +36,7 @@ pub fn spawn(
         .collect();
     let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
     let wanted = settings.start.pose();
-    let start = free_start((&settings.vehicle, wanted), arena.field, &checker, &parked)
+    let start = free_start(&settings.vehicle, wanted, arena.field, &checker, &parked)
         .ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
@@ -65,7 +65,7 @@ pub fn spawn(
     if recorder.records_searches {
         let mut monitor = QueryMonitor::new(true);
         planner.show_roadmap(&mut monitor);
-        recorder.record_searches(SimTime::ZERO, id, monitor.finish().1);
+        recorder.record_searches(SimTime::ZERO, id, monitor.finish().searches);
     }
     let truck = Truck {
         body: settings.vehicle,

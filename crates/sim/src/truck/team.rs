@@ -20,7 +20,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::FireField;
-use wildfire_planning::{Effort, GoalDisc};
+use wildfire_planning::{Effort, Found, GoalDisc};
 use wildfire_timeline::{AgentFact, AgentId};
 
 /// How near to its place a truck that is sent there comes, in metres: that of the middle of its body.
@@ -242,7 +242,7 @@ impl Fleet<'_, '_> {
         let mut spent = Effort::default();
         let found = truck.query(disc, outset, &mut spent, &mut agent.cost, &mut self.recorder);
         let (reason, effort, until, tried_again) = match found {
-            Ok((path, found_by)) => {
+            Ok(Found { path, by: found_by }) => {
                 let ready = now + delay + truck.charge(&spent);
                 match traffic.departure(&truck.body, &truck.leg(&path, ready)) {
                     Ok(leg) => return DecisionOutcome::Relocates(Relocation { place, leg, effort: spent, found_by }),

@@ -13,7 +13,7 @@ use crate::{
 use wildfire_base::geometry::Cell;
 use wildfire_base::query::{Effort, FoundBy, PlanFailure};
 use wildfire_base::time::SimTime;
-use wildfire_base::trajectory::{Piece, Trajectory};
+use wildfire_base::trajectory::{MotionState, Piece, Trajectory};
 
 use super::bushes::BushCounts;
 use super::ground::GroundIndex;
@@ -41,6 +41,14 @@ impl AgentStats {
     pub fn spent(&self, activity: Activity) -> SimTime {
         self.spent[activity as usize]
     }
+}
+
+/// A suppression of a truck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SuppressionSpan {
+    pub since: SimTime,
+    pub cell: Cell,
+    pub lasts: SimTime,
 }
 
 /// A leg of an agent, for as long as it was followed.
@@ -122,7 +130,7 @@ impl AgentHistory {
     pub fn state_at(&self, timeline: &Timeline, start: &AgentStart, time: SimTime) -> AgentState {
         let &AgentStep { stats, goal, leg, .. } = self.last_step(time);
         let leg = leg.map(|leg| self.legs[leg].trajectory(timeline));
-        let (pose, speed_mps) = leg.map_or((start.pose, 0.0), |leg| leg.state_at(time));
+        let MotionState { pose, speed_mps } = leg.map_or(MotionState::standing(start.pose), |leg| leg.state_at(time));
         AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
     }
 

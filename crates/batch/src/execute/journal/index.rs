@@ -167,9 +167,14 @@ impl JournalIndex {
         self.offsets.len() as u64
     }
 
-    /// Returns the number of runs in the journal, and of those among them that are not done.
-    pub fn stored(&self) -> (u64, u64) {
-        (self.stored, self.not_done)
+    /// Returns the number of runs in the journal.
+    pub fn stored(&self) -> u64 {
+        self.stored
+    }
+
+    /// Returns the number of runs in the journal that are not done.
+    pub fn not_done(&self) -> u64 {
+        self.not_done
     }
 
     pub fn is_complete(&self) -> bool {

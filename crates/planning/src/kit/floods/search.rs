@@ -131,15 +131,17 @@ impl FloodSearch {
         }
     }
 
-    /// Finds a path within the budget; also returns the number of poses from which the floods spread.
+    /// Finds a path within the budget; adds the number of poses from which the floods spread to `expansions`.
     pub fn find_within(
         &mut self,
         query: &FloodQuery,
         observer: &mut dyn PlanningObserver,
-    ) -> (Result<Path, PlanFailure>, u32) {
+        expansions: &mut u32,
+    ) -> Result<Path, PlanFailure> {
         self.left = query.budget;
         let path = self.find(query, observer);
-        (path, query.budget - self.left)
+        *expansions += query.budget - self.left;
+        path
     }
 
     fn find(&mut self, query: &FloodQuery, observer: &mut dyn PlanningObserver) -> Result<Path, PlanFailure> {

@@ -286,8 +286,12 @@ impl Roadmap {
         self.clearances_m[level]
     }
 
-    pub fn curves(&self) -> (&ReedsShepp, &CurvePrice) {
-        (&self.curves, &self.price)
+    pub fn curves(&self) -> &ReedsShepp {
+        &self.curves
+    }
+
+    pub fn curve_price(&self) -> &CurvePrice {
+        &self.price
     }
 
     /// Replaces what `found` holds by the nodes within `reach_m` of a place, with their distances, nearest first.
@@ -302,7 +306,7 @@ impl Roadmap {
             RoadmapMode::Eager { places, .. } => places.within(place, reach_m, found),
             RoadmapMode::Lazy { tiles, sampling, .. } => {
                 let mut nodes = TileSampler { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
-                tiles.within(&mut nodes, (place, reach_m), found);
+                tiles.within(&mut nodes, place, reach_m, found);
             }
         }
     }

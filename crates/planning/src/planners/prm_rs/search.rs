@@ -233,7 +233,7 @@ impl RoadmapSpace<'_> {
     }
 
     fn cusp_cost(&self, here: &Node<Mark>, departs_reverse: bool) -> f64 {
-        if here.turns_back(departs_reverse) { self.roadmap.curves().1.cusp_m } else { 0.0 }
+        if here.turns_back(departs_reverse) { self.roadmap.curve_price().cusp_m } else { 0.0 }
     }
 
     /// Offers curves from the start to the milestones about it, at what they cannot cost less than.
@@ -276,7 +276,8 @@ impl RoadmapSpace<'_> {
             return;
         }
         let here = *search.node(from.node);
-        let (curves, price) = self.roadmap.curves();
+        let curves = self.roadmap.curves();
+        let price = self.roadmap.curve_price();
         let way = curves.cheapest_word(here.pose, self.roadmap.pose(to), price);
         let mut segments = way.curve.segments();
         let Some(first) = segments.next().map(|segment| segment.is_reverse()) else { return };
