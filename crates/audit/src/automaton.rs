@@ -55,6 +55,7 @@ impl Automaton<'_> {
                 continue;
             }
             let neighbours = self.neighbours(change.cell);
+            // The draws are repeated from seed, cell and direction, which need no order.
             let mut spared = neighbours.filter(|&(direction, to)| {
                 self.succeeds(change.cell, episode, direction, to, due) && self.log.is_spared(to, due)
             });

@@ -33,6 +33,7 @@ pub fn audit_embers(
     let Some(embers) = rules.embers else { return Ok(()) };
     let frame = setting.frame;
     let mut sparks = BTreeSet::<Spark>::new();
+    // All sparks of the run are computed first: an ember may land long after its source is out.
     for changes in log.cells() {
         let ignitions = changes.iter().filter_map(|change| match change.what {
             ChangeKind::Ignited(cause) => Some((change, cause)),
@@ -51,6 +52,7 @@ pub fn audit_embers(
         spotted.filter(|&(change, from)| !sparks.contains(&(change.time, frame.index(change.cell), frame.index(from))));
     let unexplained = unexplained
         .map(|(change, from)| Err(change.violation(setting, ViolationKind::NoSource { cell: change.cell, from })));
+    // Sparks are in order of time.
     let spared = sparks.iter().take_while(|&&(time, ..)| time < end).filter_map(|&(time, cell, from)| {
         let [cell, from]: [Cell; 2] = [cell, from].map(|index| frame.cell(index));
         let kind = ViolationKind::SparedBySpread { cell, from };

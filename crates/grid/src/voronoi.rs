@@ -45,6 +45,7 @@ pub struct Voronoi {
 /// # Panics
 /// If the map has more cells than 32 bits can number.
 pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
+    // The map's edge counts as an obstacle, as a robot cannot leave it.
     let walled = with_walls(occupied);
     let nearest = nearest_occupied(&walled).expect("walls are occupied");
     let (labels, components) = label_components(&walled);
@@ -62,6 +63,7 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
         for col in 0..occupied.cols() {
             let here = (row + 1, col + 1);
             clearance[(row, col)] = (square(seen(here, here)) as f64).sqrt();
+            // Each pair of neighbours once: those below and to the right.
             for there in [(row + 2, col + 1), (row + 1, col + 2)] {
                 if walled[here] || walled[there] || nearest[here] == nearest[there] {
                     continue;
@@ -73,6 +75,7 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
                     Sites::Cells => are_apart(seen(here, here), seen(here, there)),
                 };
                 if is_border {
+                    // The cell nearer to the middle between both is on the diagram; both if they are as near.
                     let to_theirs = square(seen(here, there));
                     let to_ours = square(seen(there, here));
                     diagram[(row, col)] |= to_theirs <= to_ours;
@@ -206,6 +209,7 @@ pub fn path_along(
                 RouteLength { beside: longer(beside, offset), along }
             };
             let best = lengths[to];
+            // In this order: a step beside the diagram outweighs any length along it.
             let key = |lengths: RouteLength| (metric(lengths.beside), metric(lengths.along));
             if best == unseen || key(next) < key(best) {
                 lengths[to] = next;

@@ -192,6 +192,7 @@ impl<'a> Traffic<'a> {
     pub fn meetings(self, body: &Dimensions, leg: &Trajectory) -> Vec<Meeting> {
         let mut farthest = Vec::new();
         let mut max_m = f64::NEG_INFINITY;
+        // In order of waits, so that a longer one counts only if it leads clearly farther.
         for wait_s in WAITS_S {
             let leg = after_waiting(leg, wait_s);
             let motion = MovingBody { body, trajectory: &leg };
@@ -202,6 +203,7 @@ impl<'a> Traffic<'a> {
             let free_m = leg.distance_m(meets_at);
             if free_m > max_m + GAIN_M {
                 max_m = free_m;
+                // The leg without a wait stays; of the others only the best.
                 farthest.truncate(1);
                 farthest.push(Meeting { wait_s, leg, meets_at });
             }
@@ -236,6 +238,7 @@ impl<'a> Traffic<'a> {
         }
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
         let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
+        // A bounded number of tests, coarser where waits are long.
         let step_s = WAIT_STEP_S.max(longest_s / MAX_STEPS);
         let steps = (longest_s / step_s).ceil() as u32;
         let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * step_s));
@@ -245,11 +248,13 @@ impl<'a> Traffic<'a> {
     /// Returns a leg cut at the first place, from `now` on, where the truck may stand for good.
     pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, limits: &SpeedLimits) -> Trajectory {
         let is_free = |cut: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: cut }, now).is_none();
+        // A leg that has not begun stops where it stands.
         let at_once = if leg.start_time() >= now {
             Trajectory::new(now, leg.start(), Vec::new())
         } else {
             leg.stopping(now, limits)
         };
+        // The soonest stop is the usual one: where it blocks nobody, no other is tried.
         if is_free(&at_once) {
             return at_once;
         }

@@ -50,6 +50,7 @@ impl<'a> BurnMap<'a> {
         let mut ignitions: Vec<Option<(SimTime, Cause)>> = vec![None; setting.frame.cell_count()];
         let mut burn = |time, cell, cause| {
             let first = &mut ignitions[setting.frame.index(cell)];
+            // The first ignition counts: a map shows when fire came.
             *first = Some(first.unwrap_or((time, cause)));
         };
         let mut lost = BTreeSet::new();
@@ -59,6 +60,7 @@ impl<'a> BurnMap<'a> {
                     burn(event.time, cell, cause);
                     lost.insert(setting.frame.index(cell));
                 }
+                // A bush that was put out counts as saved.
                 Fact::Fire(FireFact::Extinguished { cell, .. }) => {
                     lost.remove(&setting.frame.index(cell));
                 }
@@ -130,6 +132,7 @@ impl FireBehavior {
             let cell = landscape.frame.cell(index);
             let fire = fires.at(cell, time);
             behavior.fire_type[index] = fire.map_or(f64::NAN, |found| f64::from(found.fire_type as u8));
+            // Lighters and embers bring no front, so there is no direction or rate.
             let Cause::Spread(parent) = cause else { continue };
             let direction = front_direction(&landscape.frame, cell, time, parent, |near| {
                 Some(ignitions[landscape.frame.index(near)]?.0)

@@ -77,6 +77,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                     None => plan(arguments, context)?,
                 },
             };
+            // Before anything is written: a plan may run programs.
             context.expect_trusted_plan(&plan)?;
             context.note_doubts(plan.variants.iter().map(|variant| &variant.scenario));
             if arguments.slurm.slurm {
@@ -88,6 +89,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 return Ok(exit_code(left_out));
             }
             let batch = begin(arguments, plan, slice)?;
+            // From here on an interrupt leaves a folder that can be resumed.
             interrupt::set_resumable();
             batch
         }
@@ -96,15 +98,18 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
         note_repairs(batch.found());
     }
     let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.args();
+    // Every error from here on ends with the command that resumes.
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
     run_with_progress(&mut batch, jobs, watch.stop(), context).map_err(from_batch)?;
+    // Tables are those of the whole batch: a slice is merged later.
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
         return Ok(exit_code(batch.progress().not_done()));
     }
+    // Tables are made by as many threads as runs were.
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);

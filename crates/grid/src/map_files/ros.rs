@@ -216,6 +216,7 @@ impl YamlMembers {
                 Event::MappingStart(..) if depth == 0 => depth = 1,
                 Event::Scalar(word, ..) if depth == 1 && is_key => {
                     let line = span.start.line();
+                    // YAML forbids it, and readers differ in which of both they take.
                     if entries.iter().any(|entry| entry.key == word) {
                         let message = format!("`{}` stands twice; expected it once", visible_start(&word));
                         return Err(Fault::Line { line, message });
@@ -233,6 +234,7 @@ impl YamlMembers {
                             entry.parts.iter_mut().for_each(|parts| parts.push(word.to_string()));
                         }
                         Event::SequenceStart(..) if depth == 1 => entry.is_list = true,
+                        // What has parts of its own is no word; whether it matters is seen when the key is looked up.
                         _ => entry.parts = None,
                     }
                     depth += usize::from(opens);

@@ -122,6 +122,7 @@ pub fn search_best_first(
         |index, _| weight * heuristic.estimate(place_of(occupied, index), goal),
     );
 
+    // Counted in straight and diagonal steps: sums of roots would differ by rounding between paths of one length.
     let mut lengths = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
     lengths[start] = START_LENGTH;
     let mut touched = 0;

@@ -78,6 +78,7 @@ pub fn jump_point_search(
         for towards in followed(occupied, here, arrival, corners) {
             let Some(to) = jumps.jump(here, towards).filter(|&to| !closed[to]) else { continue };
             let length = by_way_of(here, lengths[here], to);
+            // Strictly shorter, so that of equal paths the first found stays.
             if lengths[to] == UNSEEN || metric(length) < metric(lengths[to]) {
                 lengths[to] = length;
                 parents[to] = index;

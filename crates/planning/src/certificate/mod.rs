@@ -94,6 +94,7 @@ impl Certificate {
         let terrain = GrownTerrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
+        // Long reaches have longer steps, so that the number of positions stays bounded.
         let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MAX_POSITIONS));
         let is_meant = reach_m.is_finite() && reach_m > span_m && clearance_m >= 0.0;
         let min_gap_m = MIN_GAP_M.max(7.0 * steps_m[0]);
@@ -113,9 +114,11 @@ impl Certificate {
             let cut = Cut { terrain: &terrain, ends: &ends, curves, step_m };
             cut.bound_m(from.lerp(to, share), (to - from).perp() / span_m, reach_m)
         };
+        // Which cut is best shows coarsely; only that one is computed finely.
         let coarse = CUTS.map(|share| (share, bound(share, steps_m[0])));
         let (cut, _) = coarse.into_iter().max_by(|one, other| one.1.total_cmp(&other.1))?;
         let step_m = steps_m[1];
+        // The checker adds up in another order.
         let bound_m = bound(cut, step_m) - ROUNDING_M;
         let listed = corners.iter().enumerate();
         let corners = listed.map(|(k, at)| [at.x, at.y, ends[0].lengths_m[k], ends[1].lengths_m[k]]).collect();
@@ -166,6 +169,7 @@ impl GrownTerrain {
         let reach = DVec2::splat(self.half_cell_m + self.radius_m);
         let low = from.min(to) - reach;
         let high = from.max(to) + reach;
+        // Boxes first, and then the distance from the line, before any polygon is clipped.
         let near = self.centres.iter().filter(|centre| centre.cmpge(low).all() && centre.cmple(high).all());
         near.filter(|&&centre| along.perp_dot(centre - from).abs() <= 1.5 * reach.x * along.length() + 1e-9).any(
             |&centre| {
@@ -213,6 +217,7 @@ impl GrownTerrain {
     /// than `reach_m`; elsewhere the least that this takes.
     fn taut_lengths_m(&self, corners: &[DVec2], (from, other): (DVec2, DVec2), reach_m: f64) -> Vec<f64> {
         let polygon = self.polygon(self.radius_m - 2.0 * SHRUNK_M);
+        // No corner counts that a path within reach cannot pass.
         let mut lengths_m: Vec<f64> = corners.iter().map(|corner| reach_m - corner.distance(other)).collect();
         let mut open: Vec<usize> = (0..corners.len()).collect();
         let (mut at, mut length_m) = (from, 0.0);
@@ -223,6 +228,7 @@ impl GrownTerrain {
                     lengths_m[index] = through_m;
                 }
             }
+            // Dijkstra's search over all pairs, whose edges are tested only when they could shorten something.
             let next = (0..open.len()).min_by(|&one, &two| lengths_m[open[one]].total_cmp(&lengths_m[open[two]]));
             let Some(next) = next else { return lengths_m };
             let index = open.swap_remove(next);
@@ -268,6 +274,7 @@ impl Cut<'_> {
                 crossings.push((lengths, at));
             }
         }
+        // The shortest first, so that most of the rest are cut off by the bound.
         crossings.sort_by(|(one, _), (two, _)| (one[0] + one[1]).total_cmp(&(two[0] + two[1])));
         crossings.into_iter().fold(reach_m, |min_m, (lengths, at)| self.min_at(lengths, at, min_m))
     }
@@ -293,6 +300,7 @@ impl Cut<'_> {
         while let Some((heading, half)) = open.pop() {
             let pose = Pose::new(at.x, at.y, heading);
             let sum_m: f64 = (0..2).map(|end| lengths[end].max(self.curve_m(self.ends[end].pose, pose, half))).sum();
+            // This range of headings has no shorter path.
             if sum_m >= min_m {
                 continue;
             }

@@ -233,6 +233,7 @@ impl CollisionChecker {
     #[inline]
     fn clearance_from(&self, rectangle: &Rectangle, min_clearance: f64) -> Option<f64> {
         let border = self.border_gap(rectangle);
+        // From cheap to costly: the border, discs on the lattice of distances, and bushes one by one.
         if border < min_clearance {
             return None;
         }
@@ -245,6 +246,7 @@ impl CollisionChecker {
             min_squared = min_squared.min(bound.min_squared());
         }
         let cover = min_squared.max(0.0).sqrt() - self.cover_radius;
+        // Discs cover the body, so they underestimate: enough by them is enough.
         if cover >= min_clearance + AMPLE_M {
             return Some(cover.min(border));
         }

@@ -95,6 +95,7 @@ impl Rectangle {
         let offset = other.centre - self.centre;
         let radii = self.radius() + other.radius();
         let between = offset.length() - radii;
+        // Far apart the circles around both are close enough, and cost no projection.
         if between > radii {
             return between;
         }

@@ -113,6 +113,7 @@ impl MilestoneTiles {
         let cols = range(place.x, self.cols);
         for row in range(place.y, self.rows) {
             for col in cols.clone() {
+                // Opened on demand, each from a stream of its own, so that the order of queries does not matter.
                 let numbers = match self.opened.get(&((row * self.cols + col) as u32)) {
                     Some(numbers) => numbers.clone(),
                     None => self.open(milestones, [col, row]),

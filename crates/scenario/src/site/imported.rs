@@ -67,6 +67,7 @@ impl ImportedField {
     /// # Errors
     /// Fails if the map is empty, ragged, too large, or not in one of the two forms; with the place.
     pub fn parse(text: &str, cell_m: f64) -> Result<Self, MapError> {
+        // Rows of a map cannot begin with a brace.
         if !text.trim_start().starts_with('{') {
             return parse_rows(text, cell_m);
         }
@@ -146,6 +147,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
         if row.is_empty() && cells.is_empty() {
             return Err(MapFault::Empty.at(span));
         }
+        // While reading, so that a file of gigabytes is refused early.
         if row.len() > MAX_CELLS_A_SIDE.into() || cells.len() >= MAX_CELLS_A_SIDE.into() {
             return Err(TOO_LARGE.at(span));
         }
@@ -156,6 +158,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
         start += line.len() + 1;
     }
     let (rows, cols) = (cells.len(), cells[0].len());
+    // Text has north at the top, a field has row 0 in the south.
     let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
     let frame = frame_from(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
     Ok(ImportedField { frame, occupied, doubts: Vec::new() })

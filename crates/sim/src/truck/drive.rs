@@ -103,6 +103,7 @@ impl Truck {
         let DepartureContext { pose, frame, .. } = outset;
         let disc = self.disc(frame, goal);
         let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
+        // The flood is exact enough for a no: then no search is tried.
         if !self.reachability.lock().reaches(near) {
             return None;
         }
@@ -156,10 +157,12 @@ impl Truck {
         cost: &mut AgentCost,
     ) -> Option<Departure> {
         let disc = self.disc(outset.frame, blocked.goal);
+        // Without a rule of distance there is no disc to plan into.
         if disc.radius_m.is_infinite() {
             return None;
         }
         let mut stopwatch = CpuStopwatch::start();
+        // Only places matter here: what stands on the path stands there at any time.
         let leg = self.leg(&blocked.path, SimTime::ZERO);
         let free_m = outset.traffic.free_m(&self.body, &leg)?;
         let checker = outset.traffic.with_others_standing(&self.checker);
@@ -183,6 +186,7 @@ impl Truck {
         let mut stopwatch = CpuStopwatch::start();
         let mut effort = blocked.effort;
         let ready = |effort: &Effort| outset.now + outset.delay + self.charge(effort);
+        // As if nobody were there: it shows where the truck meets others, and when.
         let direct = self.leg(&blocked.path, ready(&effort));
         let others = outset.traffic.predicted_for(&self.body);
         let mut found = Vec::new();
@@ -192,11 +196,13 @@ impl Truck {
             found.extend(path.map(|path| (path, wait_s)));
         }
         cost.local_search += stopwatch.elapsed_since_last();
+        // Only now, when the effort of all searches is known, which delays every departure.
         let legs = found.into_iter().filter_map(|(path, wait_s)| {
             let leg = after_waiting(&self.leg(&path, ready(&effort)), wait_s);
             let leg = outset.traffic.departure(&self.body, &leg).ok()?;
             Some(Departure { drive: Drive { path, effort, ..blocked.clone() }, leg })
         });
+        // The first of equal ones, which waits least.
         legs.min_by_key(|departure| departure.leg.end_time())
     }
 }
@@ -212,6 +218,7 @@ fn finish_query(
 ) -> Result<Found, PlanFailure> {
     let QueryRecord { time, searches } = monitor.finish();
     match plan.cpu {
+        // A planner that ran elsewhere says what it took; this thread only waited.
         Some(cpu) => cost.add_query(cpu),
         None => {
             cost.roadmap_search += time.roadmap;

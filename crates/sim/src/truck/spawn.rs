@@ -29,6 +29,7 @@ pub fn spawn(
 ) -> Result<AgentStart, RunError> {
     let id = AgentId::unimog(number);
     let suppression = &arena.scenario.suppression;
+    // Trucks are placed in order of number, each beside those before it.
     let parked: Vec<_> = world
         .query::<(&Agent, &Truck)>()
         .iter(world)
@@ -59,9 +60,11 @@ pub fn spawn(
     let report = planner.build_report();
     let BuildReport { samples, edges, components, .. } = report;
     let mut recorder = world.resource_mut::<Recorder>();
+    // Planners without a roadmap record none.
     if samples > 0 {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
     }
+    // Drawing a roadmap sweeps all its edges, so only where it is recorded.
     if recorder.records_searches {
         let mut monitor = QueryMonitor::new(true);
         planner.show_roadmap(&mut monitor);
@@ -95,6 +98,7 @@ pub fn spawn(
     let woken_by = WakeTriggers::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.busy_until = SimTime::from_seconds(settings.ready_s);
+    // It cannot be called before, but its place counts for the others from the start.
     if settings.ready_s > 0.0 {
         agent.activity = Activity::Planning;
         let waits = AgentFact::Rested { reason: RestReason::NotReady };

@@ -294,6 +294,7 @@ impl<'a> AgentReader<'a> {
     /// Records a fact of this agent's, by its place in the timeline; `bushes` are as they are after it.
     pub fn record_fact(&mut self, index: usize, event: &'a Event, bushes: &[BushState]) {
         let now = event.time;
+        // Whatever leg was under way ends where a new one begins.
         if event.fact.trajectory().is_some() {
             self.end_leg(now);
             self.history.follow(self.timeline, now, index);
@@ -304,6 +305,7 @@ impl<'a> AgentReader<'a> {
             Fact::Fire(fact) => {
                 stats.cells += 1;
                 if let FireFact::Extinguished { cell, .. } = fact {
+                    // A drive whose goal is put out was not wasted.
                     self.drive = self.drive.take().filter(|drive| drive.goal != *cell);
                 }
                 return;
@@ -317,6 +319,7 @@ impl<'a> AgentReader<'a> {
                     RestReason::PolicyWait | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady
                 )
             }
+            // These are only said about an agent; what it does stays the same.
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
             }
@@ -343,6 +346,7 @@ impl<'a> AgentReader<'a> {
             AgentFact::Planned { goal, trajectory, effort, found_by } => {
                 self.count_plan(now, *effort);
                 self.outcome.lattice_plans += u32::from(found_by.is_some_and(FoundBy::is_after_failure));
+                // Before the next one begins, so that a drive that was dropped counts.
                 self.end_drive(now);
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
                 let is_hopeless = drives && self.is_hopeless(*goal, trajectory.end_time(), bushes);
@@ -415,6 +419,7 @@ impl<'a> AgentReader<'a> {
 
     /// Returns the history and the totals at the end.
     pub fn finish(mut self, end: SimTime) -> (AgentHistory, AgentOutcome) {
+        // What is under way counts up to the end.
         self.end_leg(end);
         self.end_drive(end);
         let stats = self.history.stats_at(self.timeline, end);

@@ -19,6 +19,7 @@ use wildfire_timeline::{AgentId, WaterRules};
 pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRules>) -> Option<Box<dyn Policy>> {
     let dispatch = scenario.dispatch.as_ref()?;
     let sight = scenario.sight.clone().unwrap_or_default();
+    // Rules that a truck can follow alone need no team: it then decides when it is free.
     let is_plain = dispatch.idle == IdleRule::Stay && sight.field != SightOfField::Radius;
     if is_plain && dispatch.seconds_per_evaluation == 0.0 {
         match dispatch.policy {
@@ -84,6 +85,7 @@ impl DispatchRules {
                 let learned = LearnedPosts::new(Arc::clone(&networks.posts));
                 Self { assignment, staging: Some(Box::new(learned)) }
             }
+            // Trucks also serve their own regions first.
             IdleRule::Regions => {
                 Self { assignment: Box::new(RegionsFirst(assignment)), staging: Some(Box::<Regions>::default()) }
             }

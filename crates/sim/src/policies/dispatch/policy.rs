@@ -55,6 +55,7 @@ impl DispatchPolicy {
 
 impl Policy for DispatchPolicy {
     fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        // Counted, not timed: planning time must be the same on every machine.
         let mut effort = 0;
         let knowledge = FleetKnowledge::new(&self.site, seen);
         let team = knowledge.team(queried);
@@ -116,6 +117,7 @@ fn assign(
     for (truck, cell) in assignment.assign(team, effort) {
         let is_taken = kept.contains(&cell) || goals.iter().any(|&(_, other)| other == cell);
         let is_queried = team.trucks.iter().any(|other| other.id == truck && other.is_queried);
+        // Rules may be custom: what they assign twice or to others is passed over.
         if !is_queried || is_taken {
             continue;
         }
@@ -133,6 +135,7 @@ fn assign(
             trucks: team.trucks.iter().map(|other| TeamTruck { is_queried: other.id == truck, ..*other }).collect(),
             ..team.clone()
         };
+        // The same rule for this truck alone, so that it chooses as the team would.
         let found = assignment.assign(&rest, effort).into_iter();
         goals.extend(found.filter(|&(id, cell)| id == truck && rest.fires.iter().any(|fire| fire.cell == cell)));
     }
@@ -192,6 +195,7 @@ impl<'a> FleetKnowledge<'a> {
                 goal: view.goal,
                 staging_point: view.staging_point,
                 start: truck.start,
+                // Without water it cannot take a fire, only be free after a refill.
                 is_queried: queried.contains(&truck.id) && view.stops_left != Some(0),
                 stops_left: view.stops_left.unwrap_or(u32::MAX),
             })
@@ -231,6 +235,7 @@ impl<'a> FleetKnowledge<'a> {
             let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
             let rules = &self.site.rules;
             let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.is_source(cell));
+            // A fire that has spread already threatens nothing more.
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
             (self.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
