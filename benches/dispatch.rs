@@ -11,7 +11,8 @@ use rand::{Rng, RngExt};
 
 use wildfire::geometry::{Cell, DVec2, FieldFrame};
 use wildfire::rng;
-use wildfire::sim::policies::dispatch::{AssignmentRule, Fire, IdleRule, Intact, Team, TeamRules, TeamTruck, make};
+use wildfire::scenario::{Dispatch, DispatchPolicy, IdleRule};
+use wildfire::sim::policies::dispatch::{DispatchRules, Fire, Intact, Team, TeamRules, TeamTruck};
 use wildfire::sim::policies::learned::Networks;
 use wildfire::time::SimTime;
 use wildfire::time::cpu::CpuStopwatch;
@@ -100,11 +101,11 @@ fn team<'a>(bushes: &'a Bushes, trucks: u16, fires: usize, rng: &mut impl Rng) -
 
 fn main() {
     let rules = [
-        ("nearest-savable", AssignmentRule::NearestSavable),
-        ("hungarian", AssignmentRule::Hungarian),
-        ("threat-first", AssignmentRule::ThreatFirst),
-        ("auction", AssignmentRule::Auction),
-        ("rollout of 40", AssignmentRule::Rollout { rollouts: 40 }),
+        ("nearest-savable", DispatchPolicy::NearestSavable),
+        ("hungarian", DispatchPolicy::Hungarian),
+        ("threat-first", DispatchPolicy::ThreatFirst),
+        ("auction", DispatchPolicy::Auction),
+        ("rollout of 40", DispatchPolicy::Rollout),
     ];
     let (county, town) = (bushes(2000), bushes(200));
     let networks = Networks::new(None);
@@ -112,12 +113,13 @@ fn main() {
     for (field, name) in [(&county, "10 km"), (&town, "1 km")] {
         for (trucks, fires) in [(10, 100), (100, 100), (100, 1000), (100, 4000)] {
             print!("{name:>5}, {trucks:3} trucks, {fires:4} fires:");
-            for (rule_name, rule) in rules {
+            for (rule_name, policy) in rules {
                 let mut rng = rng::stream(1, "teams");
                 let (mut effort, mut spent_ms) = (0, 0.0);
                 for _ in 0..DECISIONS {
                     let team = team(field, trucks, fires, &mut rng);
-                    let (mut assignment, _) = make(rule, IdleRule::Stay, &networks);
+                    let dispatch = Dispatch { policy, ..Dispatch::default() };
+                    let mut assignment = DispatchRules::new(&dispatch, &networks).assignment;
                     let mut watch = CpuStopwatch::start();
                     assignment.assign(&team, &mut effort);
                     spent_ms += watch.elapsed_since_last().as_secs_f64() * 1e3;
@@ -129,16 +131,17 @@ fn main() {
         for trucks in [10, 100] {
             let team = team(field, trucks, 100, &mut rng::stream(2, "teams"));
             let idle: Vec<AgentId> = team.trucks.iter().map(|truck| truck.id).collect();
-            let (_, mut positioning) = make(AssignmentRule::Auction, IdleRule::Centroids, &networks);
+            let dispatch = Dispatch { idle: IdleRule::Centroids, ..Dispatch::default() };
+            let mut staging = DispatchRules::new(&dispatch, &networks).staging.expect("idle trucks spread out");
             let mut watch = CpuStopwatch::start();
-            let posts = positioning.staging_points(&team, &idle);
+            let posts = staging.staging_points(&team, &idle);
             let first_ms = watch.elapsed_since_last().as_secs_f64() * 1e3;
             let mut settled = team;
             for (id, staging_point) in posts {
                 settled.trucks[usize::from(id.number)].staging_point = Some(staging_point);
             }
             let mut watch = CpuStopwatch::start();
-            positioning.staging_points(&settled, &idle);
+            staging.staging_points(&settled, &idle);
             let next_ms = watch.elapsed_since_last().as_secs_f64() * 1e3;
             println!("{name:>5}, {trucks:3} idle trucks: centroids {first_ms:.2} first, {next_ms:.2} then");
         }

@@ -88,7 +88,7 @@ fn run_field(coverage: f64, seed: u64, builds: &mut Builds, short: &mut Drives, 
             let bush = *fitting.choose(&mut rng).unwrap_or(&bushes[rng.random_range(0..bushes.len())]);
             let mut monitor = QueryMonitor::new(false);
             let plan = planner.plan_observed(pose, GoalDisc { centre: bush, radius_m: REACH_M }.into(), &mut monitor);
-            drives.take_time(monitor.finish().0);
+            drives.take_time(monitor.finish().time);
             pose = plan.path.as_ref().map_or(START, Path::end);
             drives.take(plan, here.distance(bush) - REACH_M, &checker);
         }

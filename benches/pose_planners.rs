@@ -117,7 +117,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             let bound_m = curves.length_m(problem.start, goal);
             let mut monitor = QueryMonitor::new(false);
             let plan = planner.plan_observed(problem.start, Goal::Pose(goal), &mut monitor);
-            poses.take_time(monitor.finish().0);
+            poses.take_time(monitor.finish().time);
             poses.take(plan, (number < BOUNDED_GOALS).then_some(bound_m), &checker);
         }
         for &centre in problem.bushes.iter().take(GENERATED_GOALS) {
@@ -125,7 +125,7 @@ fn measure_planner(kind: TruckPlannerKind, problems: &[Problem], truck: &Unimog)
             let goal = Goal::Disc(GoalDisc { centre, radius_m: REACH_M - 0.01 });
             let mut monitor = QueryMonitor::new(false);
             let plan = planner.plan_observed(problem.start, goal, &mut monitor);
-            discs.take_time(monitor.finish().0);
+            discs.take_time(monitor.finish().time);
             discs.take(plan, (gap_m > REACH_M).then_some(gap_m), &checker);
         }
     }

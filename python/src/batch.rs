@@ -296,7 +296,7 @@ pub fn run_shard(
     interruptible(py, &factories, jobs, |interruption| {
         let mut batch = library::execute::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
         batch.plan().expect_same(&plan, &folder)?;
-        let found = batch.progress().stored().0;
+        let found = batch.progress().stored();
         run_missing(&mut batch, &factories, jobs, interruption)?;
         Ok(found)
     })
@@ -487,7 +487,7 @@ fn run_to_its_end(
 ) -> PyResult<(BatchReport, BatchPlan, u64)> {
     interruptible(py, factories, jobs, |interruption| {
         let mut batch = begin_or_go_on(plan, path)?;
-        let found = batch.progress().stored().0;
+        let found = batch.progress().stored();
         run_missing(&mut batch, factories, jobs, interruption)?;
         let report = batch.finish(interruption.stop())?;
         Ok((report, batch.plan().clone(), found))

@@ -193,11 +193,12 @@ pub fn judge<'py>(py: Python<'py>, checker: &Checker, path: &Path, goal: GoalLik
 #[pyfunction]
 #[pyo3(signature = (checker, start, goal, length))]
 pub fn certify(py: Python<'_>, checker: &Checker, start: Poses, goal: Poses, length: f64) -> PyResult<f64> {
-    let ends = (one_pose(start, "start")?, one_pose(goal, "goal")?);
+    let start = one_pose(start, "start")?;
+    let goal = one_pose(goal, "goal")?;
     if !(0.0..=LARGEST).contains(&length) {
         return Err(PyValueError::new_err(format!("length is {length}; expected metres from 0")));
     }
-    let certificate = py.detach(|| Certificate::new(&checker.0, ends, MIN_CLEARANCE_M, length));
+    let certificate = py.detach(|| Certificate::new(&checker.0, start, goal, MIN_CLEARANCE_M, length));
     // Equal poses have none.
     Ok(certificate.map_or(0.0, |certificate| certificate.bound_m.max(0.0)))
 }

@@ -92,6 +92,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     let mut cpu = CpuStopwatch::start();
     let mut parent = Simulation::with(before, seed, &options).map_err(CliError::run_failed)?;
     if at > 0.0 {
+        // One nanosecond less, so that decisions due at that time are still open.
         parent.advance_to(SimTime::from_seconds(at) - SimTime::from_nanos(1));
     }
     if parent.has_ended() && !context.quiet {
@@ -103,8 +104,10 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
         parent.fork_into(before, &after, &options).map_err(|error| CliError::bad_input(error, None))?
     };
     let mut fork = ended(fork, answer)?;
+    // Parent and fork share the time until the change, so it counts for the fork.
     fork.cost.total = cpu.elapsed_since_last() + fork.cost.elsewhere();
     let row = RunRow::done(RunLabel::from_scenario(&after, seed), result_of(&fork), stopwatch.elapsed());
+    // Only now, as the fork is made from its state at the time of the change.
     let parent = ended(parent, None)?;
     let burned = Outcome::new(&fork.timeline).burned();
     let was = Outcome::new(&parent.timeline).burned();

@@ -12,18 +12,22 @@ pub fn resume_command(folder: &Path, slice: Slice) -> String {
     format!("wildfire batch --resume {folder}{shard}")
 }
 
-/// Returns the command that brings a batch nearer to its tables, and what it is for; `None` while processes work on all
-/// that is left.
-pub fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<(&'static str, String)> {
+/// A command and what it is for.
+pub struct NextCommand {
+    pub purpose: &'static str,
+    pub command: String,
+}
+
+/// Returns the command that brings a batch nearer to its tables; `None` while processes work on all that is left.
+pub fn next_command(folder: &Path, slices: &[(Slice, SliceState)], lock: &str) -> Option<NextCommand> {
     let waiting = slices.iter().find(|(_, state)| state.stored < state.runs && !state.is_running);
-    match waiting {
-        Some((slice, _)) => Some(("Continue", resume_command(folder, *slice) + lock)),
-        None if slices.iter().any(|(_, state)| state.is_running) => None,
-        None if slices.len() == 1 => Some(("Write the tables", resume_command(folder, slices[0].0) + lock)),
-        None => {
-            Some(("Write the tables", format!("wildfire merge {}{lock}", shell_word(&folder.display().to_string()))))
-        }
-    }
+    let (purpose, command) = match waiting {
+        Some((slice, _)) => ("Continue", resume_command(folder, *slice)),
+        None if slices.iter().any(|(_, state)| state.is_running) => return None,
+        None if slices.len() == 1 => ("Write the tables", resume_command(folder, slices[0].0)),
+        None => ("Write the tables", format!("wildfire merge {}", shell_word(&folder.display().to_string()))),
+    };
+    Some(NextCommand { purpose, command: command + lock })
 }
 
 /// Returns what to do with a batch that has no tables yet: the next slice, merging them, or resuming the whole.
@@ -31,7 +35,7 @@ pub fn help_on_unfinished(path: &Path) -> Option<String> {
     let status = OutputFolder::existing(path).and_then(|folder| batch_status(&folder));
     let Ok(BatchStatus { slices, .. }) = status else { return None };
     match next_command(path, &slices, "") {
-        Some((purpose, command)) => Some(format!("{} with: {command}", purpose.to_lowercase())),
+        Some(NextCommand { purpose, command }) => Some(format!("{} with: {command}", purpose.to_lowercase())),
         None => Some("its runs are still in progress: wildfire status shows how many are done".into()),
     }
 }

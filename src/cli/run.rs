@@ -25,6 +25,7 @@ use wildfire_batch::report::{Failures, RunObject, notes};
 use wildfire_batch::table::RunRecord;
 use wildfire_scenario::{self as scenario, Scenario};
 use wildfire_sim::RunOptions;
+use wildfire_sim::game::Unanswered;
 use wildfire_timeline::export::{FINEST_STEP_S, Sampling, write_events, write_trace};
 use wildfire_timeline::{AgentId, GroundOutcome, Outcome, Role, Timeline, Winner, file};
 
@@ -82,8 +83,8 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
         }
         Some(path) => {
             let game = read_game(path)?;
-            let (policies, unanswered) = game.replayed();
-            options.policies = policies;
+            let unanswered = Unanswered::default();
+            options.policies = game.replayed(&unanswered);
             (game.load()?.scenario, game.seed, Some((path, unanswered)))
         }
     };

@@ -148,7 +148,7 @@ fn journal_on_a_local_disk_is_brought_to_its_place_when_the_process_ends_or_is_s
     let stored = lines(&home).len() as u64 - 1;
     assert!(stored == 5 && files_in(&disk).is_empty(), "{stored} rows are in their place");
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
-    assert_eq!(batch.progress().stored().0, stored);
+    assert_eq!(batch.progress().stored(), stored);
     work_off(&mut batch).expect("the disk is fine");
     drop(batch);
     work_off(&mut join(&out, 2, 2, local(&disk)).expect("it is free")).expect("the disk is fine");
@@ -171,7 +171,7 @@ fn local_journal_of_a_process_that_was_killed_is_gone_on_with() {
     write_lines(left, &all);
     // A second file of that name that has nothing to do with what is in its place is replaced.
     let mut batch = join(&out, 1, 2, local(&disk)).expect("it is free");
-    assert_eq!(batch.progress().stored().0, 7);
+    assert_eq!(batch.progress().stored(), 7);
     work_off(&mut batch).expect("the disk is fine");
     drop(batch);
     assert_eq!(lines(&out.join("runs-1-of-2.journal")).len(), 19);

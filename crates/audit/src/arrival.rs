@@ -99,6 +99,7 @@ impl FireHistory {
     /// Adds a change, not before those that were added before.
     pub fn add(&mut self, index: usize, time: SimTime, change: CellChange) {
         let nanos = time.as_nanos();
+        // Nearly all cells burn once: their lists would take most of the memory, so these have none.
         if let CellChange::Ignited { is_source } = change
             && !self.has_more[index]
             && self.first[index] == NEVER
@@ -159,6 +160,7 @@ impl FireHistory {
 
     /// Returns a cell as it is after all its changes before a time.
     fn cell_before(&self, index: usize, before: u64) -> CellBefore {
+        // The state of such a cell needs no list to be replayed.
         if !self.has_more[index] {
             let ignited = if self.first[index] < before { self.first[index] } else { NEVER };
             return CellBefore { ignited, is_source: self.is_source[index], open_from: 0 };
@@ -167,9 +169,11 @@ impl FireHistory {
         for &(time, change) in self.changes(index).iter().take_while(|(time, _)| *time < before) {
             match change {
                 CellChange::Ignited { is_source } => (state.ignited, state.is_source) = (time, is_source),
+                // A later wetting never shortens an earlier one.
                 CellChange::Wetted { until } => state.open_from = state.open_from.max(until.as_nanos()),
                 CellChange::Extinguished => {
                     state.ignited = NEVER;
+                    // Without reignition what was put out never burns again.
                     state.open_from = if self.reignition { state.open_from.max(time) } else { NEVER };
                 }
             }
@@ -215,6 +219,7 @@ impl StraightLine {
             if cols * rows > 0 { [(west, north), (east, south)] } else { [(west, south), (east, north)] }
         });
         let corners = corners.collect();
+        // A corner cuts twice at one place: between such cuts there is no stretch of a cell.
         cuts.dedup();
         let crossed = cuts.windows(2).map(|pair| {
             let (x, y) = at(f64::from(pair[0] + pair[1]) / f64::from(2 * whole));
@@ -294,6 +299,7 @@ pub struct Arrivals<'a> {
 impl<'a> Arrivals<'a> {
     pub fn new(landscape: &'a Landscape, weather: &'a Weather, rules: RothermelRules) -> Self {
         let frame = landscape.frame;
+        // Tables are by the fuels of this field, not by all 256 numbers: there is one per interval.
         let mut is_there = [false; 256];
         landscape.fuel.iter().for_each(|&number| is_there[usize::from(number)] = true);
         let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
@@ -329,12 +335,15 @@ impl<'a> Arrivals<'a> {
             kept: Vec::new(),
         };
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
+        // Trees differ from cell to cell, so no table by fuel holds on a plane with them.
         let plane = plane.filter(|_| !has_trees);
         if plane.is_none() {
+            // A power of two, so that a place is found by masking.
             let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
             arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
         }
         arrivals.draw_lines(plane);
+        // As far as the longest line reaches: nearer lines then need not look at the fuel of each cell.
         arrivals.is_alike = alike(frame, &arrivals.fuel, arrivals.reach()[0].max(3));
         if let Some(gradient) = plane {
             arrivals.plane = arrivals.on_plane(gradient);
@@ -350,9 +359,11 @@ impl<'a> Arrivals<'a> {
                 Some(gradient) => {
                     (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, gradient)).collect()
                 }
+                // On relief each cell has its own ellipse; a sample decides which directions are worth a line.
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
             };
             let directions = DirectionSet::new(self.rules.neighbours, &ellipses);
+            // Weather that changes little keeps its directions, and lines are the costly part.
             let existing = self.sets.iter().position(|set| set.directions == directions);
             self.set_of.push(existing.unwrap_or(self.sets.len()));
             if existing.is_some() {
@@ -425,6 +436,7 @@ impl<'a> Arrivals<'a> {
             return table[fuel].0;
         }
         let key = (interval as u64) << 32 | index as u64;
+        // Neighbouring cells keep apart, and so do two intervals of one cell.
         let place = (index + 97 * interval) & (self.kept.len() - 1);
         if self.kept[place].0 != key {
             let cell = self.frame.cell(index);
@@ -482,6 +494,7 @@ impl<'a> Arrivals<'a> {
         let parent = parent.map_or(usize::MAX, |parent| self.frame.index(parent));
         let mut earliest = EarliestArrival { time: NEVER, from_parent: NEVER };
         let Some(fuel) = self.fuel[to] else { return earliest };
+        // The time from the recorded parent is kept apart: it may tie with another within rounding.
         let consider = |earliest: &mut EarliestArrival, time: u64, from: usize| {
             earliest.time = earliest.time.min(time);
             if from == parent {
@@ -491,6 +504,7 @@ impl<'a> Arrivals<'a> {
         // Lines over one fuel, without a delay, that may be part of a pair; by direction.
         let count = self.lines.len();
         let mut plain: Vec<Option<EdgeArrival>> = vec![None; count];
+        // Exact lines in all directions hold only near a source, where the front is a disc and not yet faceted.
         let all = count + if history.is_near_source[to] { self.disc.len() } else { 0 };
         for number in 0..all {
             let line = self.line(number);
@@ -512,10 +526,12 @@ impl<'a> Arrivals<'a> {
                 continue;
             }
             let (lies, opens) = self.on_line(history, cell, number, before, fuel);
+            // A line of the disc stands for undisturbed spread from a source; over other ground the set's lines hold.
             if lies == GroundAlong::Barrier || (is_of_disc && (lies != GroundAlong::OneFuel || opens > ignited)) {
                 continue;
             }
             let start = opens.max(ignited);
+            // The ground opened later: fire comes from a source only while that still flames.
             if start > ignited && !self.flames_at(from, ignited, start) {
                 continue;
             }
@@ -529,6 +545,7 @@ impl<'a> Arrivals<'a> {
                 let time = self.straight_arrival(cell, number, start, is_one_fuel);
                 consider(&mut earliest, time, from);
             }
+            // A front between two points is only defined where both send fire over the same open ground.
             let is_plain = !is_of_disc && is_one_fuel && start == ignited;
             if let Some(place) = plain.get_mut(number).filter(|_| is_plain) {
                 *place = Some(EdgeArrival { line: number, index: from, time: ignited });
@@ -537,12 +554,15 @@ impl<'a> Arrivals<'a> {
         for set in 0..self.sets.len() {
             for place in 0..self.sets[set].lines.len() {
                 let lines = &self.sets[set].lines;
+                // Directions are in order of angle, so neighbours in the list span the gap between them.
                 let pair = [lines[place], lines[(place + 1) % lines.len()]];
                 let [Some(one), Some(other)] = pair.map(|line| plain[line]) else { continue };
+                // A pair is of the weather in which both of it burn.
                 if self.set_at(one.time.max(other.time)) != set {
                     continue;
                 }
                 let is_of_parent = one.index == parent || other.index == parent;
+                // The front between them cannot arrive before both burn.
                 if one.time.max(other.time) >= earliest.time && !is_of_parent {
                     continue;
                 }
@@ -568,12 +588,14 @@ impl<'a> Arrivals<'a> {
     fn on_line(&self, history: &FireHistory, cell: Cell, number: usize, before: u64, fuel: u8) -> (GroundAlong, u64) {
         let line = self.line(number);
         let to = self.frame.index(cell);
+        // Marks of disturbance reach only so far; for longer lines any change anywhere counts.
         let is_far = line.cols.abs().max(line.rows.abs()) > history.reach;
         let is_undisturbed = !history.is_near_more[to] && (!is_far || history.more.is_empty());
         if is_undisturbed && !is_far && self.is_alike[to] {
             return (GroundAlong::OneFuel, 0);
         }
         let opens_at = |index: usize| {
+            // Cells outside the field are barriers too.
             if self.fuel.get(index).is_none_or(Option::is_none) {
                 NEVER
             } else if is_undisturbed {
@@ -588,6 +610,7 @@ impl<'a> Arrivals<'a> {
             opens = opens.max(opens_at(index));
             is_one_fuel &= self.fuel.get(index).is_some_and(|&crossed| crossed == Some(fuel));
         }
+        // Of the two cells at a corner the one that opens first lets the front by.
         for &[one, other] in &line.corners {
             opens = opens.max(opens_at(self.near(cell, one)).min(opens_at(self.near(cell, other))));
         }
@@ -611,6 +634,7 @@ impl<'a> Arrivals<'a> {
         for place in 0..self.line(number).crossed.len() {
             let (offset, part) = self.line(number).crossed[place];
             let index = self.near(cell, offset);
+            // Cells are summed in the order of the line, as the sum's rounding depends on it.
             seconds += part
                 * match self.plane.get(interval) {
                     Some(table) => self.fuel[index].map_or(f64::INFINITY, |fuel| table[usize::from(fuel)].1[number]),
@@ -642,6 +666,7 @@ impl<'a> Arrivals<'a> {
             if arrival <= next {
                 return arrival;
             }
+            // The share of the way that was made, as the next interval has another speed on the same way.
             done += (next - now) as f64 / NANOS / whole;
             (now, interval) = (next, interval + 1);
         }
@@ -662,22 +687,27 @@ impl<'a> Arrivals<'a> {
         let between_s = (other.time as f64 - one.time as f64) / NANOS;
         // Times of the two beginnings without the drift on the way from them, which is linear along the line between.
         let t1 = beyond1 - ellipse.drift_s(v1);
+        // Both in seconds after the first ignition, so that differences of nanoseconds stay exact.
         let t2 = between_s + beyond2 - ellipse.drift_s(v2);
         let w = v2 - v1;
         let length = ellipse.product(w, w).sqrt();
         let along = ellipse.product(v1, w) / length;
         let height = (ellipse.product(v1, v1) - along * along).max(0.0).sqrt();
         let rise = (t2 - t1) / length;
+        // The ends burn farther apart in time than fire takes from one to the other: no front spans them.
         if rise * rise >= 1.0 {
             return NEVER;
         }
         let stretch = 1.0 / (1.0 - rise * rise).sqrt();
         let part = (-rise * height * stretch - along) / length;
+        // Written so that a part that is not a number is refused too.
         if !(0.0 < part && part < 1.0) {
             return NEVER;
         }
+        // Never before both burn, which rounding could make it.
         let time = later(one.time, t1 + part * (t2 - t1) + height * stretch).max(latest);
         let ends = self.weather.intervals().get(interval + 1).map_or(NEVER, |next| next.from.as_nanos());
+        // The closed form holds in one interval of the weather; else the same point between is followed through all.
         if one.time.min(other.time) >= self.weather.intervals()[interval].from.as_nanos() && time <= ends {
             return time;
         }

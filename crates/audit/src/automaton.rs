@@ -28,7 +28,9 @@ struct Automaton<'a> {
 /// Holds all that spread, and all that should have, against the draws; returns the first violation that is found.
 pub fn audit_automaton(
     setting: &Setting,
-    (landscape, weather, rules): (&Landscape, &Weather, AlexandridisRules),
+    landscape: &Landscape,
+    weather: &Weather,
+    rules: AlexandridisRules,
     log: &CellLog<'_>,
     end: SimTime,
 ) -> Result<(), Violation> {
@@ -53,6 +55,7 @@ impl Automaton<'_> {
                 continue;
             }
             let neighbours = self.neighbours(change.cell);
+            // The draws are repeated from seed, cell and direction, which need no order.
             let mut spared = neighbours.filter(|&(direction, to)| {
                 self.succeeds(change.cell, episode, direction, to, due) && self.log.is_spared(to, due)
             });

@@ -55,11 +55,11 @@ pub fn straight_arrival(
         let near = frame.offset(cell, cols, rows)?;
         Some(history.first_front(frame.index(near)).filter(|&time| time < arrived.as_nanos()))
     };
-    // The corners are inside the field, and so is all between them.
     rim.iter().step_by(2 * HALF_SIDE as usize).try_for_each(|&corner| time_at(corner).map(|_| ()))?;
     let mut first = NEVER;
     for near in cells_within(HALF_SIDE, frame, cell) {
         let index = frame.index(near);
+        // The check holds where fire spreads alike all around and nobody interferes.
         if arrivals.fuel_at(index) != arrivals.fuel_at(frame.index(cell)) || !history.is_front_or_unburned(index) {
             return None;
         }
@@ -76,6 +76,7 @@ pub fn straight_arrival(
         let left = times.map(before);
         for part in 0..=PARTS {
             let share = f64::from(part) / f64::from(PARTS);
+            // Points between the rim's cells too, where a front may have come through.
             let point = ends[0] + share * (ends[1] - ends[0]);
             let seconds = ellipse.travel_s(-point);
             // Fire between two cells comes to each of them as it does to any: it was there no sooner than this.

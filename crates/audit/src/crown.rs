@@ -35,12 +35,14 @@ fn shelter(canopy: &Canopy, depth_ft: f64) -> f64 {
 
 /// Returns the ellipse of a fire below these trees.
 pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, rules: CrownRules) -> Ellipse {
+    // Crown models are for the wind at 20 ft, which is weaker than at 10 m.
     let speed = below.wind_10m_mps.length() / 1.15;
     let toward = below.wind_10m_mps.normalize_or_zero();
     let factor = shelter(canopy, below.depth_ft);
     let surface_at = |wind: f64| below.ground.behavior(toward * wind * factor, below.gradient, options);
     let unlimited = SurfaceOptions { wind_limit: WindLimit::None, ..*options };
     let crown_at =
+        // Rothermel 1991: the rate of crowns is that of fuel model 10 in 0.4 of the wind, whatever the ground has.
         |wind: f64| 3.34 * below.model_10.behavior(DVec2::X * (0.4 * wind), DVec2::ZERO, &unlimited).rate_mps;
     // kg/m2/min of crowns that burn at some rate in m/s.
     let flow = |rate: f64| rate * 60.0 * canopy.bulk_density_kg_m3;
@@ -49,16 +51,19 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     let heat = surface.reaction_intensity_kw_m2 * surface.residence_s;
     let kilojoules = 460.0 + 25.9 * (100.0 * rules.foliar_moisture).max(30.0);
     let critical = ops::pow(0.010 * canopy.base_m.max(0.1) * kilojoules, 1.5);
+    // Below Van Wagner's critical intensity the crowns do not catch fire.
     if surface.rate_mps * heat < critical {
         return surface.ellipse();
     }
     let crown = crown_at(speed);
+    // From 3 kg of crowns per square metre and minute a fire runs through them by itself.
     if flow(crown) >= 3.0 {
         let ratio = 1.0 + 0.125 * speed / 0.44704;
         let heading = match toward {
             DVec2::ZERO => surface.heading,
             toward => DVec3::new(toward.x, toward.y, toward.dot(below.gradient)).normalize(),
         };
+        // Without wind only the slope stretches it, as it does the fire on the ground.
         let ratio = if toward == DVec2::ZERO { surface.length_to_width } else { ratio };
         return Ellipse::new(crown, (1.0 - 1.0 / (ratio * ratio)).sqrt(), heading, below.gradient);
     }
@@ -68,6 +73,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
         CrownMethod::ScottReinhardt => {
             let (mut calm, mut windy) = (0.0, MAX_MPS);
             loop {
+                // Halved until no number lies between, so that the tolerance is that of the number itself.
                 let middle = f64::midpoint(calm, windy);
                 if middle <= calm || middle >= windy {
                     break;

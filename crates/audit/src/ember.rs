@@ -24,13 +24,16 @@ type Spark = (SimTime, usize, usize);
 /// Holds all fires by embers, and all that should have been, against the draws; returns the first violation in time.
 pub fn audit_embers(
     setting: &Setting,
-    (landscape, weather, rules): (&Landscape, &Weather, &RothermelRules),
+    landscape: &Landscape,
+    weather: &Weather,
+    rules: &RothermelRules,
     log: &CellLog<'_>,
     end: SimTime,
 ) -> Result<(), Violation> {
     let Some(embers) = rules.embers else { return Ok(()) };
     let frame = setting.frame;
     let mut sparks = BTreeSet::<Spark>::new();
+    // All sparks of the run are computed first: an ember may land long after its source is out.
     for changes in log.cells() {
         let ignitions = changes.iter().filter_map(|change| match change.what {
             ChangeKind::Ignited(cause) => Some((change, cause)),
@@ -49,6 +52,7 @@ pub fn audit_embers(
         spotted.filter(|&(change, from)| !sparks.contains(&(change.time, frame.index(change.cell), frame.index(from))));
     let unexplained = unexplained
         .map(|(change, from)| Err(change.violation(setting, ViolationKind::NoSource { cell: change.cell, from })));
+    // Sparks are in order of time.
     let spared = sparks.iter().take_while(|&&(time, ..)| time < end).filter_map(|&(time, cell, from)| {
         let [cell, from]: [Cell; 2] = [cell, from].map(|index| frame.cell(index));
         let kind = ViolationKind::SparedBySpread { cell, from };
@@ -85,6 +89,6 @@ fn ember_source(
 fn thrown(embers: &Embers, source: &EmberSource, landscape: &Landscape, weather: &Weather) -> Vec<Spark> {
     let frame = &landscape.frame;
     let landings = embers.landings(source, landscape, weather).into_iter();
-    let spark = |ignites, cell| (ignites, frame.index(cell), frame.index(source.cell));
-    landings.filter_map(|landing| Some(spark(landing.ignites?, landing.cell))).collect()
+    let from = frame.index(source.cell);
+    landings.filter_map(|landing| Some((landing.ignites?, frame.index(landing.cell), from))).collect()
 }

@@ -104,6 +104,7 @@ pub struct AuditField {
 impl AuditField {
     /// A field of bushes; cells outside of the frame are ignored.
     pub fn new(frame: FieldFrame, bushes: &[Cell], outline: Outline) -> Self {
+        // Finer squares would take more memory, coarser ones sort out less.
         let side_m = frame.cell_m.max(outline.radius_m()) / SQUARES;
         let squares = [frame.width_m(), frame.height_m()].map(|extent| (extent / side_m).ceil().max(1.0) as usize);
         let mut field = Self {
@@ -117,6 +118,7 @@ impl AuditField {
             squares,
         };
         field.mark_border();
+        // Recordings may come from anywhere: bushes beyond the field are passed over.
         for &cell in bushes.iter().filter(|cell| cell.col < frame.cols && cell.row < frame.rows) {
             field.is_bush[frame.index(cell)] = true;
             field.mark_bush(cell);
@@ -150,6 +152,7 @@ impl AuditField {
     }
 
     fn touch_bush(&self, centre: DVec2, half: DVec2, turned: &ShapePose) -> Option<Contact> {
+        // Casts below clamp at 0, where a body leans over the border.
         let first = ((centre - half) / self.frame.cell_m).floor().max(DVec2::ZERO);
         let last = ((centre + half) / self.frame.cell_m).floor();
         let last_col = (last.x as usize).min(usize::from(self.frame.cols) - 1);

@@ -129,6 +129,7 @@ impl<'a> FollowedFires<'a> {
             return Ok(());
         }
         let reach = self.cells_across(rules.spread_radius_m);
+        // A forged radius could make every fire look at the whole field.
         self.looks += u64::from(reach) * u64::from(reach);
         if self.looks > MAX_LOOKS {
             return violation(from, ViolationKind::Endless);

@@ -34,12 +34,14 @@ pub fn audit_ground(setting: &Setting, driven: &DrivenLegs<'_>, limits: Option<S
         for (start, piece) in leg.pieces_with_starts() {
             if let Piece::Drive { segment, speed_mps, acceleration_mps2 } = *piece {
                 let limit_mps = if segment.is_reverse() { limits.reverse_mps } else { limits.forward_mps };
+                // Some looks a cell, bounded for lengths that no drive has.
                 let looks = (segment.length_m.abs() / frame.cell_m * LOOKS_A_CELL).ceil().clamp(1.0, 1e6) as u32;
                 for look in 0..=looks {
                     let travelled_m = segment.length_m * f64::from(look) / f64::from(looks);
                     let place = segment.pose_at(start, travelled_m).position();
                     let squared = speed_mps * speed_mps + 2.0 * acceleration_mps2 * travelled_m.abs();
                     let found_mps = squared.max(0.0).sqrt();
+                    // The fastest of the cells nearby, as a pose on their border may count as either.
                     let limit_mps = limit_mps * share_near(place);
                     if found_mps > limit_mps * (1.0 + NOISE) {
                         let time = leg.start_time() + SimTime::from_seconds(elapsed_s);

@@ -57,6 +57,7 @@ pub fn audit_leg(
     leg: &Trajectory,
     step: SampleStep,
 ) -> Result<Audited, Violation> {
+    // Speeds and shapes are independent; the violation that comes first in time is reported.
     let pace = motion.limits.map_or(Ok(()), |limits| audit_pace(leg, &limits));
     let tolerance = Tolerance::from_leg(leg);
     let moves = !leg.pieces().is_empty();
@@ -87,6 +88,7 @@ struct LegAudit<'a> {
 impl LegAudit<'_> {
     fn drive(mut self) -> Result<Audited, LegViolation> {
         let mut now = LegMoment { elapsed_s: 0.0, pose: self.leg.start() };
+        // The start itself: pieces below look at what comes after.
         if let Some(touch) = self.field.touch(UnitPose::new(now.pose)) {
             return Err(now.broken(ViolationKind::Touched(touch)));
         }
@@ -135,6 +137,7 @@ impl LegAudit<'_> {
         }
         self.check_curvature(&segment).map_err(|kind| now.broken(kind))?;
         let way = SteppedSegment::new(segment, self.step);
+        // Before the first step, as a forged length could take forever.
         if way.count * work_of_pose(self.field) > MAX_WORK {
             return Err(now.broken(ViolationKind::Endless));
         }

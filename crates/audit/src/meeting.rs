@@ -56,6 +56,7 @@ impl<'a> MeetingPair<'a> {
             let [at, other_at] = [self.one, self.other].map(|driver| UnitPose::new(driver.driven.pose_at(time)));
             let violation = |kind| Violation { time, agent: Some(self.one.driven.id), place: at.place, kind };
             let between = self.other.outline.centre(other_at) - self.one.outline.centre(at);
+            // Circles first: the exact overlap is only computed where these meet.
             let gap_m = between.length() - self.radii_m;
             if gap_m <= 0.0 {
                 let depth_m = self.one.outline.overlap_m(at, &self.other.outline, other_at);
@@ -67,6 +68,7 @@ impl<'a> MeetingPair<'a> {
             if looks > MAX_LOOKS {
                 return Err(violation(ViolationKind::Endless));
             }
+            // The gap and the speeds say how long nothing can happen.
             let Some(next) = self.next_look(time, gap_m) else { break };
             time = next;
         }

@@ -86,6 +86,7 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
     for (start, piece) in leg.pieces_with_starts() {
         let at = |kind| violation(leg, elapsed_s, start.position(), kind);
         let Piece::Drive { segment, speed_mps: entry_mps, acceleration_mps2 } = *piece else {
+            // Turning on the spot and waiting require a standstill.
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             (speed_mps, direction) = (0.0, None);
             elapsed_s += piece.duration_s();
@@ -95,6 +96,7 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
             continue;
         };
         let drive = DriveProfile::new(segment.length_m.abs(), entry_mps, acceleration_mps2);
+        // Between forward and reverse a vehicle stands for an instant.
         if direction.is_some_and(|reverse| reverse != segment.is_reverse()) {
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             speed_mps = 0.0;

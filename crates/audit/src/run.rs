@@ -43,6 +43,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         // Only legs of a bounded length are held against the ground.
         let legs = audit_legs(driven, &field, &motion(agent), step, &mut audited);
         violations.push(legs.and_then(|()| audit_ground(setting, driven, agent.limits)).err());
+        // Only trucks keep clear of each other; Wumpuses walk through.
         if let Body::Truck(_) = agent.body {
             drivers.push(MovingTruck { driven, outline });
         }
@@ -59,6 +60,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
     let knows_limits = knows_fire && setting.agents.iter().all(|agent| agent.limits.is_some());
     Verdict {
         audited,
+        // What comes first in time is likely the cause of the rest.
         violation: violations.into_iter().flatten().min_by_key(|violation| violation.time),
         knows_limits,
     }
@@ -71,12 +73,14 @@ fn audit_legs(
     step: SampleStep,
     audited: &mut Audited,
 ) -> Result<(), Violation> {
+    // A leg without pieces, as the start must be free as well.
     let start = Trajectory::new(SimTime::ZERO, driven.start, Vec::new());
     let mut work = 0.0;
     for leg in std::iter::once(&start).chain(driven.legs()) {
         let violation = |violation| Violation { agent: Some(driven.id), ..violation };
         let examined = audit_leg(field, motion, leg, step).map_err(violation)?;
         work += examined.poses as f64 * work_of_pose(field);
+        // Each leg is bounded by itself; this bounds all of them.
         if work > MAX_WORK {
             let time = leg.end_time();
             let place = leg.end().position();

@@ -42,11 +42,13 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
     let changes = changes_in_order(timeline);
     let mut states = States::new(setting, spread);
     let followed = changes.iter().try_for_each(|change| states.follow(change));
+    // What is still burning at the end must not be overdue.
     let followed = followed.and_then(|()| states.finish(timeline.end_time()));
     let log = CellLog::new(setting, &changes);
     let end = timeline.end_time();
     let busiest = log.cells().max_by_key(|of_cell| of_cell.len()).and_then(<[Change]>::first);
     let pairs: u64 = log.cells().map(|of_cell| (of_cell.len() as u64).pow(2)).sum();
+    // Checks below look at pairs of changes of a cell, so a forged recording could make them endless.
     if let Some(busiest) = busiest.filter(|_| pairs > MAX_LOOKS) {
         return Err(busiest.violation(setting, ViolationKind::Endless));
     }
@@ -54,11 +56,12 @@ pub fn audit_spread(timeline: &Timeline) -> Result<(), Violation> {
         SpreadSetting::Rothermel { landscape, weather, rules } => {
             let arrivals = Arrivals::new(landscape, weather, *rules);
             let came = ArrivalCheck::new(setting, arrivals, &changes, end).check();
-            let flew = audit_embers(setting, (landscape, weather, rules), &log, end);
+            let flew = audit_embers(setting, landscape, weather, rules, &log, end);
+            // All are done before the first is picked, as the violation that came first in time explains the rest.
             first_violation([followed, came, flew].into_iter())
         }
         SpreadSetting::Alexandridis { landscape, weather, rules } => {
-            let tried = audit_automaton(setting, (landscape, weather, *rules), &log, end);
+            let tried = audit_automaton(setting, landscape, weather, *rules, &log, end);
             first_violation([followed, tried].into_iter())
         }
     }
@@ -120,6 +123,7 @@ impl<'a> States<'a> {
         let &Change { time, cell, what } = change;
         let reignition = self.setting.rules.reignition;
         match (what, self.state_at(index, time)) {
+            // Whatever comes next, the burning out before it is missing.
             (_, FollowedCell::Burning { until }) if until < time => {
                 Err(ViolationKind::WrongBurnOut { cell, due: Some(until) })
             }
@@ -131,6 +135,7 @@ impl<'a> States<'a> {
                 if !is_left || !self.has_fuel[index] || self.wet_until[index] > time {
                     return Err(ViolationKind::CannotBurn { cell });
                 }
+                // Fuel without a time of flaming burns until it is put out.
                 let until = self.flaming.burns_out_at(cell, time).unwrap_or(SimTime::MAX);
                 Ok(FollowedCell::Burning { until })
             }
@@ -140,9 +145,11 @@ impl<'a> States<'a> {
             }
             (ChangeKind::Cleared { holds }, state) => {
                 let is_left = state == FollowedCell::Intact || reignition && state == FollowedCell::Extinguished;
+                // A gap in the line may be anywhere, as crews record what they found burning.
                 if holds && !(is_left && self.has_fuel[index]) {
                     return Err(ViolationKind::WrongLine { cell });
                 }
+                // Cleared ground is like ground that never dries.
                 self.wet_until[index] = if holds { SimTime::MAX } else { self.wet_until[index] };
                 Ok(state)
             }
@@ -207,6 +214,7 @@ impl<'a> ArrivalCheck<'a> {
                 }
                 ChangeKind::Extinguished { .. } => CellChange::Extinguished,
                 ChangeKind::Wetted { until, .. } => CellChange::Wetted { until },
+                // To a front a line is ground that never dries.
                 ChangeKind::Cleared { holds: true } => CellChange::Wetted { until: SimTime::MAX },
                 ChangeKind::BurnedOut | ChangeKind::Cleared { .. } => continue,
             };
@@ -240,6 +248,7 @@ impl<'a> ArrivalCheck<'a> {
             return Ok(());
         }
         let spread: Vec<_> = ignitions.iter().filter(|(_, _, cause)| matches!(cause, Cause::Spread(_))).collect();
+        // Evenly spread over the field, and the same ones in every audit.
         let every = spread.len().div_ceil(characteristic::MAX_SAMPLES).max(1);
         first_violation(spread.into_iter().step_by(every).map(|&(index, time, _)| {
             let cell = frame.cell(index as usize);
@@ -254,6 +263,7 @@ impl<'a> ArrivalCheck<'a> {
     }
 
     fn check_cell(&mut self, index: usize, ignitions: &[(u32, SimTime, Cause)]) -> Result<(), Violation> {
+        // Most cells of a field with roads and water.
         if !self.arrivals.has_fuel(index) && ignitions.is_empty() {
             return Ok(());
         }
@@ -269,6 +279,7 @@ impl<'a> ArrivalCheck<'a> {
                 .changes(index)
                 .iter()
                 .find(|&&(put_out, change)| change == CellChange::Extinguished && put_out >= time.as_nanos());
+            // From then on the cell waits for fire again.
             from = put_out.filter(|_| reignition).map(|&(put_out, _)| SimTime::from_nanos(put_out));
         }
         let unburned = from.filter(|&start| start <= self.end);
@@ -282,6 +293,7 @@ impl<'a> ArrivalCheck<'a> {
             self.history.cells_in_reach(frame, cell).map(|near| self.history.changes(frame.index(near)).len() as u64);
         let around: u64 = if self.history.is_eventful_near(frame.index(cell)) { changes.sum() } else { 0 };
         self.looks += around;
+        // Before each change nearby the front must not have been due: afterwards that could no longer be seen.
         for disturbed in self.disturbances(cell, wait) {
             self.looks += around;
             if self.looks > MAX_LOOKS {
@@ -293,6 +305,7 @@ impl<'a> ArrivalCheck<'a> {
             }
         }
         let parent = wait.by.and_then(|cause| if let Cause::Spread(from) = cause { Some(from) } else { None });
+        // At the end itself an arrival still counts, so one nanosecond more.
         let before = if wait.by.is_some() { wait.until } else { wait.until + SimTime::from_nanos(1) };
         let (due, from_parent) = self.earliest(cell, before, parent);
         let is_early = wait.until + SAME_TIME < due;
@@ -302,9 +315,11 @@ impl<'a> ArrivalCheck<'a> {
                 let due = (due < SimTime::MAX).then_some(due);
                 violation(wait.until.min(due.unwrap_or(wait.until)), ViolationKind::WrongArrival { cell, due })
             }
+            // The time is right, but another cell's front brought it.
             (Some(_), Some(from)) if due + SAME_TIME < from_parent => {
                 violation(wait.until, ViolationKind::NoSource { cell, from })
             }
+            // An ember or a lighter may be earlier than the front, never later.
             (None, _) | (Some(_), None) if is_late => violation(due, ViolationKind::SparedByFront { cell, due }),
             _ => Ok(()),
         }

@@ -38,7 +38,8 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
         let ChangeKind::Extinguished { by } = change.what else { continue };
         let stop = stops.get_mut(&by).and_then(|stops| stops.iter_mut().rfind(|(begins, ..)| *begins < change.time));
         let ignited = ignition(change.cell, change.time);
-        let front = ignited.and_then(|ignited| spread.front(ignited, |near| Some(ignition(near, ignited.1)?.1)));
+        let front = ignited
+            .and_then(|(cell, time, cause)| spread.front(cell, time, cause, |near| Some(ignition(near, time)?.1)));
         let is_right = stop.zip(ignited).zip(front).is_some_and(|(((begins, water_units, litres), ignited), front)| {
             *litres += litres_of(front, energy, setting.frame.cell_m);
             let taken_l = f64::from(*water_units) * energy.portion_l;

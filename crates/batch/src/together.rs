@@ -15,8 +15,8 @@ use wildfire_base::untrusted::{spreadsheet_cell, visible_start};
 use wildfire_base::whole_file::WholeFile;
 use wildfire_planning::judge::lower_bound_ratio;
 use wildfire_planning::together::files::{read_solution, write_solution};
-use wildfire_planning::together::judge::{self, RuleBreach, Schedule};
-use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairMethod, Route, Unsolved, plan};
+use wildfire_planning::together::judge::{self, RuleBreach, Schedule, ScheduleCheck};
+use wildfire_planning::together::{Instance, Mode, PlanTogether, RepairEffort, RepairMethod, Route, Unsolved, plan};
 
 use crate::plan::PROGRAM_VERSION;
 
@@ -53,7 +53,7 @@ struct SolutionFigures {
 impl CheckedSolution {
     /// Checks the schedules of vehicles, those of the instance or of a file.
     pub fn new(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Self {
-        let (faults, routes) = judge::check(instance, mode, schedules);
+        let ScheduleCheck { faults, routes } = judge::check(instance, mode, schedules);
         Self { faults, figures: routes.map(|routes| SolutionFigures::new(instance, &routes)) }
     }
 }
@@ -120,7 +120,8 @@ impl InstanceAnswer {
             spent += stopwatch.elapsed_since_last();
             spent >= limit
         };
-        let (found, effort) = plan(instance, settings, &mut is_stopped);
+        let mut effort = RepairEffort::default();
+        let found = plan(instance, settings, &mut is_stopped, &mut effort);
         is_stopped();
         let cpu_s = spent.as_secs_f64();
         let solution = found.as_ref().ok().map(|routes| write_solution(instance, routes, cpu_s));

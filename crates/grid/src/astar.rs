@@ -159,6 +159,7 @@ impl AStar {
         is_goal: impl Fn(usize) -> bool,
         estimate: impl Fn(usize, usize) -> f64,
     ) -> LatticePath {
+        // Only pages that were used: a search of a few cells does not touch a whole field.
         self.pages.clear();
         // A layer is a fraction of a step: it holds what is alike, and a search goes through few layers without entries.
         let any_move = moves.values()[start].trailing_zeros() as usize;
@@ -168,6 +169,7 @@ impl AStar {
         });
         self.open.clear(0.25 * step);
         self.settled.clear();
+        // Pruning relies on detours costing no less, so step costs must be the same everywhere.
         let prunes = step_costs.uniform().is_some_and(can_prune);
         let offsets = MOVES.map(|(row_step, col_step)| row_step * moves.cols() as isize + col_step);
         self.reach(start, (start, NO_MOVE), 0.0, estimate(start, start));
@@ -192,6 +194,7 @@ impl AStar {
             if prunes {
                 mask &= !PRUNED[arrival][usize::from(moves.values()[parent])];
             }
+            // Legal moves stay on the grid, so offsets need no test of bounds.
             for (k, &offset) in offsets.iter().enumerate() {
                 if mask & (1 << k) != 0 {
                     let next = index.wrapping_add_signed(offset);

@@ -72,6 +72,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
     }
     // By column, the row of the nearest occupied cell: first the last one above, then the next one below where it is nearer.
     let mut nearest = Grid::filled(rows, cols, None::<usize>);
+    // Along rows, although columns are meant: memory is read in the order in which it lies.
     for row in 0..rows {
         for col in 0..cols {
             let above = row.checked_sub(1).and_then(|above| nearest[(above, col)]);
@@ -96,6 +97,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
             .iter()
             .map(|occupied_row| occupied_row.map_or(FAR, |occupied_row| occupied_row.abs_diff(row) as i32))
             .collect();
+        // The lower envelope of the columns' arcs gives the nearest of all of them.
         envelope.stand_on(&heights, 1, cols as i64);
         for (site, reach) in envelope.reaches(cols as i64) {
             let site_row = nearest[(row, site as usize)].expect("arcs stand on columns with an occupied cell");

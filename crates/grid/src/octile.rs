@@ -85,6 +85,7 @@ pub(super) fn by_way_of(place: Place, (straight, diagonal): StepLength, start: P
 /// at most 2 sqrt 2, which lets [`BucketQueue`] do the work of a heap.
 fn search_backwards(occupied: &Grid<bool>, corners: CornerCutting, start: Place, goal: Place) -> Route {
     let steps = TieOrder::CrossFirst.steps(Connectivity::Eight);
+    // Backwards, so that lengths are those to the goal and the path can be read off forwards.
     let mut to_go = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
     to_go[goal] = START_LENGTH;
     let mut open = BucketQueue::new(metric(by_way_of(goal, to_go[goal], start)), (goal.0 as u32, goal.1 as u32));

@@ -9,6 +9,9 @@ use crate::Grid;
 /// A cell as (row, column), both from 0.
 pub type Place = (usize, usize);
 
+/// A step as (rows, columns), each -1, 0 or 1.
+pub type Direction = (isize, isize);
+
 /// The reason why a cell cannot be a goal. A start has to be on the map too; a start in an obstacle is valid and has no
 /// path.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -49,7 +52,7 @@ pub fn check_ends(occupied: &Grid<bool>, start: Place, goal: Place) -> Result<bo
 
 /// Returns the free cell that a step from `from` leads to, if the step is legal.
 #[inline]
-pub fn step(occupied: &Grid<bool>, from: Place, step: (isize, isize), corners: CornerCutting) -> Option<Place> {
+pub fn step(occupied: &Grid<bool>, from: Place, step: Direction, corners: CornerCutting) -> Option<Place> {
     step_where(occupied, |&is_occupied| !is_occupied, from, step, corners)
 }
 
@@ -59,7 +62,7 @@ pub fn step_where<T>(
     grid: &Grid<T>,
     is_free: impl Fn(&T) -> bool,
     from: Place,
-    step: (isize, isize),
+    step: Direction,
     corners: CornerCutting,
 ) -> Option<Place> {
     let to = neighbour(grid, from, step)?;
@@ -70,7 +73,7 @@ pub fn step_where<T>(
 
 /// Returns the cell that a step from `from` leads to, if it is on the grid.
 #[inline]
-pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: (isize, isize)) -> Option<Place> {
+pub fn neighbour<T>(grid: &Grid<T>, from: Place, step: Direction) -> Option<Place> {
     // A step from row 0 or column 0 wraps around to a number that is outside too.
     let to = (from.0.wrapping_add_signed(step.0), from.1.wrapping_add_signed(step.1));
     (to.0 < grid.rows() && to.1 < grid.cols()).then_some(to)
@@ -122,9 +125,9 @@ impl Connectivity {
 
 impl TieOrder {
     /// Returns the steps to the neighbours in this order, orthogonal ones first.
-    pub fn steps(self, connectivity: Connectivity) -> &'static [(isize, isize)] {
-        const CROSS_FIRST: [(isize, isize); 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
-        const WEST_FIRST: [(isize, isize); 8] = [(0, -1), (-1, 0), (0, 1), (1, 0), (-1, -1), (-1, 1), (1, 1), (1, -1)];
+    pub fn steps(self, connectivity: Connectivity) -> &'static [Direction] {
+        const CROSS_FIRST: [Direction; 8] = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
+        const WEST_FIRST: [Direction; 8] = [(0, -1), (-1, 0), (0, 1), (1, 0), (-1, -1), (-1, 1), (1, 1), (1, -1)];
         let all = match self {
             Self::CrossFirst => &CROSS_FIRST,
             Self::WestFirst => &WEST_FIRST,

@@ -15,8 +15,8 @@ pub const UNITS: i64 = 1024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GridPoint {
     /// [`UNITS`] from the outer edge of row 0, and of column 0.
-    row: i64,
-    col: i64,
+    pub(crate) row: i64,
+    pub(crate) col: i64,
 }
 
 impl GridPoint {
@@ -30,11 +30,6 @@ impl GridPoint {
     pub fn from_units(row: i64, col: i64) -> Self {
         let off_line = |units: i64| units + i64::from(units.rem_euclid(UNITS) == 0);
         Self { row: off_line(row), col: off_line(col) }
-    }
-
-    /// Returns row and column in [`UNITS`].
-    pub fn units(self) -> (i64, i64) {
-        (self.row, self.col)
     }
 
     /// Returns the cell that contains the point.

@@ -45,6 +45,7 @@ pub struct Voronoi {
 /// # Panics
 /// If the map has more cells than 32 bits can number.
 pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
+    // The map's edge counts as an obstacle, as a robot cannot leave it.
     let walled = with_walls(occupied);
     let nearest = nearest_occupied(&walled).expect("walls are occupied");
     let (labels, components) = label_components(&walled);
@@ -62,6 +63,7 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
         for col in 0..occupied.cols() {
             let here = (row + 1, col + 1);
             clearance[(row, col)] = (square(seen(here, here)) as f64).sqrt();
+            // Each pair of neighbours once: those below and to the right.
             for there in [(row + 2, col + 1), (row + 1, col + 2)] {
                 if walled[here] || walled[there] || nearest[here] == nearest[there] {
                     continue;
@@ -73,6 +75,7 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
                     Sites::Cells => are_apart(seen(here, here), seen(here, there)),
                 };
                 if is_border {
+                    // The cell nearer to the middle between both is on the diagram; both if they are as near.
                     let to_theirs = square(seen(here, there));
                     let to_ours = square(seen(there, here));
                     diagram[(row, col)] |= to_theirs <= to_ours;
@@ -173,7 +176,8 @@ impl Ranked for OpenVertex {
 pub fn path_along(
     occupied: &Grid<bool>,
     diagram: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     corners: CornerCutting,
 ) -> Result<Route, BadPlace> {
     if !place::check_ends(occupied, start, goal)? {
@@ -205,6 +209,7 @@ pub fn path_along(
                 RouteLength { beside: longer(beside, offset), along }
             };
             let best = lengths[to];
+            // In this order: a step beside the diagram outweighs any length along it.
             let key = |lengths: RouteLength| (metric(lengths.beside), metric(lengths.along));
             if best == unseen || key(next) < key(best) {
                 lengths[to] = next;
@@ -280,11 +285,11 @@ mod tests {
     fn path_keeps_to_the_middle_between_walls() {
         let room = Grid::filled(5, 9, false);
         let found = voronoi(&room, Sites::Obstacles);
-        let route = path_along(&room, &found.diagram, ((1, 0), (3, 8)), CornerCutting::Allowed).unwrap();
+        let route = path_along(&room, &found.diagram, (1, 0), (3, 8), CornerCutting::Allowed).unwrap();
         let Route::Found(cells) = route else { panic!("{route:?}") };
         assert!((2..7).all(|col| cells.contains(&(2, col))), "{cells:?}");
         let empty = Grid::filled(5, 9, false);
-        let route = path_along(&room, &empty, ((0, 0), (0, 8)), CornerCutting::Allowed).unwrap();
+        let route = path_along(&room, &empty, (0, 0), (0, 8), CornerCutting::Allowed).unwrap();
         assert_eq!(route, Route::Found((0..9).map(|col| (0, col)).collect()));
     }
 
@@ -293,7 +298,7 @@ mod tests {
         let maze = drawn::maze(31, 31, 5, &mut rng::stream(2, "grid/voronoi"));
         assert!(!voronoi(&maze, Sites::Obstacles).diagram.values().contains(&true));
         let found = voronoi(&maze, Sites::Cells);
-        let route = path_along(&maze, &found.diagram, ((3, 3), (27, 27)), CornerCutting::Forbidden).unwrap();
+        let route = path_along(&maze, &found.diagram, (3, 3), (27, 27), CornerCutting::Forbidden).unwrap();
         let Route::Found(cells) = route else { panic!("{route:?}") };
         let on = cells.iter().filter(|&&cell| found.diagram[cell]).count();
         assert!(10 * on > 9 * cells.len(), "{on} of {} cells", cells.len());

@@ -56,7 +56,8 @@ pub fn draw_text_on(
     at: (f32, f32),
     align: Align,
     height: f32,
-    (colour, edge): (Rgb, Rgb),
+    colour: Rgb,
+    edge: Rgb,
 ) {
     if let Some(path) = text_path(text, at, align, height) {
         canvas.stroke_shape(&path, Transform::identity(), EDGE * height, Ink::opaque(edge));

@@ -47,7 +47,8 @@ impl ValidatedPlanner {
     /// If it cannot be built.
     pub fn build(maker: &dyn PlannerFactory, context: &PlannerContext<'_>) -> Result<Self, MakeError> {
         let mut stopwatch = CpuStopwatch::start();
-        let (checker, calls) = context.checker.counting();
+        let calls = Arc::default();
+        let checker = context.checker.counting(&calls);
         let planner = maker.make(&PlannerContext { checker: &checker, ..*context })?;
         let making = stopwatch.elapsed_since_last();
         let report = planner.build_report();

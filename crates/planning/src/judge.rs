@@ -8,7 +8,7 @@ use std::fmt;
 use glam::DVec2;
 
 use super::{END_M, END_RAD, Goal, GoalDisc};
-use crate::collision::{CollisionChecker, MIN_CLEARANCE_M, Obstacle};
+use crate::collision::{CollisionChecker, MIN_CLEARANCE_M, NearestObstacle, Obstacle};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{SpeedLimits, Trajectory};
@@ -112,7 +112,7 @@ impl Judge {
             }
             if let Some(travelled_m) = self.checker.refused_at(start, segment, MIN_CLEARANCE_M) {
                 let pose = segment.pose_at(start, travelled_m.copysign(segment.length_m));
-                let (obstacle, found_m) = self.checker.nearest_obstacle(pose);
+                let NearestObstacle { obstacle, gap_m: found_m } = self.checker.nearest_obstacle(pose);
                 return Err(BadPath::TooNear { place: place(travelled_m), obstacle, found_m });
             }
             along_m += segment.length_m.abs();
@@ -125,7 +125,7 @@ impl Judge {
 
     /// A truck may stay where it has less than the least clearance, but not where it touches something.
     fn check_standing(&self, pose: Pose) -> Result<(), BadPath> {
-        let (obstacle, found_m) = self.checker.nearest_obstacle(pose);
+        let NearestObstacle { obstacle, gap_m: found_m } = self.checker.nearest_obstacle(pose);
         let place = PathPlace { segment: 0, segments: 0, along_m: 0.0, at: pose.position() };
         if found_m > 0.0 { Ok(()) } else { Err(BadPath::TooNear { place, obstacle, found_m }) }
     }
@@ -510,7 +510,7 @@ mod tests {
                 assert_eq!(place.is_none(), field.checker.motion_is_free(start, segment, MIN_CLEARANCE_M));
                 let Some(metres) = place else { continue };
                 let pose = segment.pose_at(start, metres.copysign(segment.length_m));
-                let (_, gap_m) = field.checker.nearest_obstacle(pose);
+                let gap_m = field.checker.nearest_obstacle(pose).gap_m;
                 assert!(gap_m < MIN_CLEARANCE_M + 1e-9, "{start:?} {segment:?}: {gap_m} m at {metres} m");
                 assert!((gap_m - field.checker.clearance(pose)).abs() < 1e-9);
                 let before = Path { start, segments: vec![segment.with_length((metres - 1e-6).max(0.0))] };

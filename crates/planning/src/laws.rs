@@ -215,7 +215,7 @@ fn observers_see_where_searches_look_and_change_no_answer() {
         for goal in goals {
             let mut monitor = QueryMonitor::new(true);
             let Plan { path, found_by, effort, .. } = seen.plan_observed(field.start, goal, &mut monitor);
-            let (_, searched) = monitor.finish();
+            let searched = monitor.finish().searches;
             let plan = unseen.plan(field.start, goal);
             assert_eq!((&path, found_by, effort), (&plan.path, plan.found_by, plan.effort));
             assert_eq!(found_by.is_some(), path.is_ok());

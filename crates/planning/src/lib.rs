@@ -83,7 +83,7 @@ pub mod walk;
 
 pub use judge::lower_bound_m;
 pub use nearest_by_drive::plan_to_nearest;
-pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryTime};
+pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryRecord, QueryTime};
 pub use registry::{
     MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
 };

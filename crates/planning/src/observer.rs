@@ -47,6 +47,14 @@ pub struct QueryTime {
     pub local: Duration,
 }
 
+/// What a monitor has seen of a query.
+#[derive(Debug)]
+pub struct QueryRecord {
+    pub time: QueryTime,
+    /// The recorded searches, each phase at most once.
+    pub searches: Vec<Searched>,
+}
+
 /// Measures the CPU time of a query by kind of work, and records the places it examines if requested.
 #[derive(Debug)]
 pub struct QueryMonitor {
@@ -62,10 +70,10 @@ impl QueryMonitor {
         Self { watch: CpuStopwatch::start(), work: None, time: QueryTime::default(), recorder }
     }
 
-    /// Ends the query; returns its time and the recorded searches, each phase at most once.
-    pub fn finish(mut self) -> (QueryTime, Vec<Searched>) {
+    /// Ends the query.
+    pub fn finish(mut self) -> QueryRecord {
         self.begins(None);
-        (self.time, self.recorder.finish())
+        QueryRecord { time: self.time, searches: self.recorder.finish() }
     }
 }
 

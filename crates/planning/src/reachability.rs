@@ -73,14 +73,13 @@ impl Reachability {
         made.as_deref_mut()
     }
 
-    /// Finds a path from any free pose into a disc by a large search; also returns the nodes that it expanded.
+    /// Finds a path from any free pose into a disc by a large search; adds the nodes that it expanded to `expansions`.
     ///
     /// It may fail where the flood says yes; then the truck can go back to the root and take [`Self::path_to`].
-    pub fn search(&mut self, from: Pose, disc: GoalDisc) -> (Option<Path>, u32) {
+    pub fn search(&mut self, from: Pose, disc: GoalDisc, expansions: &mut u32) -> Option<Path> {
         let clearance = self.checker.clearance(from);
-        let mut expansions = 0;
         if clearance <= 0.0 {
-            return (None, expansions);
+            return None;
         }
         let profile = ClearanceProfile::from_start(CLEARANCE_M, from, clearance);
         let goal = disc.with_margin().into();
@@ -88,14 +87,14 @@ impl Reachability {
         for (search, (lattice, budget)) in self.searches.iter_mut().zip(SEARCHES) {
             let search = search.get_or_insert_with(|| search_on(&self.checker, &self.memory, lattice));
             let found = search.run(&query, budget);
-            expansions += search.expansions();
+            *expansions += search.expansions();
             if let Ok(path) = found {
-                return (Some(path.joined()), expansions);
+                return Some(path.joined());
             }
         }
-        let Some((units, scaled)) = self.scaled() else { return (None, expansions) };
-        let (path, more) = scaled.search(units.pose(from), units.disc(disc));
-        (path.map(|path| units.path_from(from, &path)), expansions + more)
+        let (units, scaled) = self.scaled()?;
+        let path = scaled.search(units.pose(from), units.disc(disc), expansions)?;
+        Some(units.path_from(from, &path))
     }
 }
 
@@ -169,8 +168,8 @@ mod tests {
                 if !reachability.reaches(goal) || in_disc(&field, pose, goal) {
                     continue;
                 }
-                let (path, expansions) = reachability.search(pose, goal);
-                let path = path.expect("the flood reaches it");
+                let mut expansions = 0;
+                let path = reachability.search(pose, goal, &mut expansions).expect("the flood reaches it");
                 assert_drivable(&field.checker, &path, pose, goal);
                 assert!(expansions > 0);
                 pose = path.end();
@@ -185,7 +184,12 @@ mod tests {
         let mut kept = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
         for &goal in goals.iter().chain(goals.iter().rev()) {
             let mut fresh = Reachability::new(&field.checker, &MemoryMeter::unlimited(), field.start);
-            assert_eq!(kept.search(field.start, goal), fresh.search(field.start, goal));
+            let (mut kept_expansions, mut fresh_expansions) = (0, 0);
+            assert_eq!(
+                kept.search(field.start, goal, &mut kept_expansions),
+                fresh.search(field.start, goal, &mut fresh_expansions)
+            );
+            assert_eq!(kept_expansions, fresh_expansions);
         }
     }
 
@@ -198,9 +202,9 @@ mod tests {
         let field = court_with_gate("........#......#....");
         let mut reachability = Reachability::new(&field.checker, &MemoryMeter::unlimited(), Pose::new(42.0, 40.0, 0.0));
         assert!(!reachability.reaches(GoalDisc { centre: DVec2::new(42.0, 40.0), radius_m: 30.0 }));
-        assert_eq!(
-            reachability.search(Pose::new(42.0, 40.0, 0.0), GoalDisc { centre: DVec2::ZERO, radius_m: 30.0 }).1,
-            0
-        );
+        let mut expansions = 0;
+        let disc = GoalDisc { centre: DVec2::ZERO, radius_m: 30.0 };
+        reachability.search(Pose::new(42.0, 40.0, 0.0), disc, &mut expansions);
+        assert_eq!(expansions, 0);
     }
 }

@@ -20,12 +20,18 @@ const LEAVE_M: f64 = 20.0;
 /// Nodes that the search for a way round may expand.
 const MAX_EXPANSIONS: u32 = 250;
 
-/// Finds a path into a disc that begins like `path`, which is blocked after `free_m` metres; also returns the effort.
+/// Finds a path into a disc that begins like `path`, which is blocked after `free_m` metres; adds to the effort.
 ///
 /// `checker` knows what stands in the way, for instance another truck. The new path leaves the old one shortly before
 /// that or, if that leads nowhere, at its start. It is a motion-primitive search straight for the disc, short and without
 /// a roadmap, because what stands in the way is somewhere else each time.
-pub fn replan_around(checker: &CollisionChecker, path: &Path, free_m: f64, disc: GoalDisc) -> (Option<Path>, Effort) {
+pub fn replan_around(
+    checker: &CollisionChecker,
+    path: &Path,
+    free_m: f64,
+    disc: GoalDisc,
+    effort: &mut Effort,
+) -> Option<Path> {
     let settings = PrimitiveSettings { max_expansions: MAX_EXPANSIONS, ..PrimitiveSettings::default() };
     let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
@@ -36,7 +42,8 @@ pub fn replan_around(checker: &CollisionChecker, path: &Path, free_m: f64, disc:
     };
     let late = (free_m > LEAVE_M).then(|| from(free_m - LEAVE_M)).flatten();
     let path = late.or_else(|| from(0.0));
-    (path, Effort { roadmap_expansions: 0, local_expansions: search.expansions() })
+    effort.local_expansions += search.expansions();
+    path
 }
 
 /// The lattice of the search for a place to stand.
@@ -97,8 +104,8 @@ const CUSP_S: f64 = 0.25;
 const TIMED_WEIGHT: f64 = 1.3;
 
 /// Finds a path into a disc among bodies that move, in space and time, and in the order in which bodies depart
-/// (prioritised planning: M. Erdmann, T. Lozano-Perez, "On multiple moving objects", Algorithmica 2, 1987); also returns
-/// the effort.
+/// (prioritised planning: M. Erdmann, T. Lozano-Perez, "On multiple moving objects", Algorithmica 2, 1987); adds to the
+/// effort.
 ///
 /// The new path leaves the blocked one before the meeting, or at its start, and ends where the body may stand for good.
 /// Speeds are those of `speed`; where it limits acceleration, times are estimates, and the caller tests the drive.
@@ -108,11 +115,11 @@ pub fn plan_among(
     blocked: BlockedLeg<'_>,
     speed: &SpeedLimits,
     disc: GoalDisc,
-) -> (Option<Path>, Effort) {
+    effort: &mut Effort,
+) -> Option<Path> {
     let BlockedLeg { path, leg, meets_at } = blocked;
     let disc = disc.with_margin();
     let mut search = PoseSearch::new(checker.body(), LATTICE, &MemoryMeter::unlimited());
-    let mut effort = Effort::default();
     let cusp_s = lag_s(speed, speed.acceleration_mps2) + lag_s(speed, speed.braking_mps2);
     let departs = leg.sets_out_at();
     let times = LEAVES.into_iter().map(|before| meets_at.since(before)).filter(|&time| time > departs);
@@ -133,10 +140,10 @@ pub fn plan_among(
         effort.local_expansions += search.expansions;
         if let Ok(rest) = found {
             kept.segments.extend(rest.segments);
-            return (Some(kept.joined()), effort);
+            return Some(kept.joined());
         }
     }
-    (None, effort)
+    None
 }
 
 /// Returns the seconds that a body loses because it gains or loses its speed at a limited rate.
@@ -296,8 +303,8 @@ mod tests {
         let disc = GoalDisc { centre: DVec2::new(90.0, 50.0), radius_m: 10.0 };
         let body = *open.checker.body();
         let crowded = open.checker.with_obstacles([body.footprint(Pose::new(60.0, 50.0, 1.5))]);
-        let (path, effort) = replan_around(&crowded, &ahead(75.0), 45.0, disc);
-        let path = path.expect("the field is wide");
+        let mut effort = Effort::default();
+        let path = replan_around(&crowded, &ahead(75.0), 45.0, disc, &mut effort).expect("the field is wide");
         assert_drivable(&crowded, &path, start, disc);
         assert!(path.length_m() < 85.0 && effort.local_expansions > 0, "{path:?}");
         assert_eq!(path.pose_at(24.9), ahead(75.0).pose_at(24.9), "it leaves the path shortly before");
@@ -305,7 +312,8 @@ mod tests {
         let start = Pose::new(10.0, 7.5, 0.0);
         let crowded = lane.checker.with_obstacles([body.footprint(Pose::new(60.0, 7.5, 0.0))]);
         let disc = GoalDisc { centre: DVec2::new(90.0, 7.5), radius_m: 10.0 };
-        assert!(replan_around(&crowded, &Path { start, ..ahead(75.0) }, 45.0, disc).0.is_none());
+        let blocked = Path { start, ..ahead(75.0) };
+        assert!(replan_around(&crowded, &blocked, 45.0, disc, &mut effort).is_none());
     }
 
     /// A wall across x = 60 that opens at a time, and a rule that nobody stays south of y = 50.
@@ -337,7 +345,8 @@ mod tests {
             let leg = Trajectory::from_path(&path, SimTime::from_seconds(departs_s), speed);
             let blocked = BlockedLeg { path: &path, leg: &leg, meets_at: SimTime::from_seconds(departs_s + 5.5) };
             let gate = Gate { body, opens_s: 25.0 };
-            let (found, effort) = plan_among(&field.checker, &gate, blocked, &speed, disc);
+            let mut effort = Effort::default();
+            let found = plan_among(&field.checker, &gate, blocked, &speed, disc, &mut effort);
             assert!(effort.local_expansions > 0);
             assert_eq!(found.is_some(), is_open);
             let Some(found) = found else { continue };

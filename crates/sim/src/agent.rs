@@ -169,13 +169,16 @@ impl Agent {
         &mut self,
         entity: Entity,
         now: SimTime,
-        (goal, trajectory): (Cell, Trajectory),
+        goal: Cell,
+        trajectory: Trajectory,
         then: AgentEvent,
         queue: &mut SimQueue,
     ) {
+        // Events that were scheduled for what it did before are void from now on.
         self.revision += 1;
         (self.goal, self.staging_point) = (Some(goal), None);
         self.activity = Activity::Moving;
+        // Planning time is simulated: it stands until the leg begins.
         if trajectory.start_time() > now {
             self.activity = Activity::Planning;
             queue.push_for(trajectory.start_time(), AgentEvent::PlanningDone, self.wake(entity));

@@ -57,6 +57,7 @@ impl DeadlockResolution {
         let now = fleet.now();
         let (_, truck) = fleet.trucks.one(first);
         let wanted = &truck.blocked.first()?.drive;
+        // The drive it was blocked on, so nothing is planned again.
         let wish = truck.leg(&wanted.path, now + truck.charge(&wanted.effort));
         let mut reservations = fleet.reservations();
         let in_the_way: Vec<Entity> =
@@ -78,6 +79,7 @@ impl DeadlockResolution {
             reservations[place].set_leg(way.clone());
             making_way.push((entity, way));
         }
+        // However long it takes: all others have left its way by then, or the search has failed.
         let leg = Traffic::new(&reservations, first).departure_within(SimTime::MAX, &truck.body, &wish).ok()?;
         Some(Self { first, leg, making_way })
     }
@@ -104,6 +106,7 @@ fn way_aside(
 ) -> Option<Trajectory> {
     let reservation = &reservations[place];
     let traffic = Traffic::new(reservations, reservation.entity);
+    // Others count as standing where they will end, as making way takes longer than they drive.
     let path = find_yield_pose(&traffic.with_others_standing(&truck.checker), reservation.leg().end(), |pose| {
         let stand = Trajectory::new(now, pose, Vec::new());
         let stand = MovingBody { body: &reservation.body, trajectory: &stand };

@@ -59,6 +59,7 @@ impl Simulation {
     pub fn fork_into(&self, before: &Scenario, after: &Scenario, options: &RunOptions) -> Result<Self, RunError> {
         let values = [&before.with_conduct_of(after), after]
             .map(|scenario| serde_json::to_value(scenario).expect("scenarios hold names, numbers and lists only"));
+        // What conduct does not cover is fixed from the start of a run, and named in the error.
         if let Some(ValueDifference { key, .. }) = value_differences(&values[0], &values[1]).into_iter().next() {
             return Err(RunError::FixedInRun { key });
         }
@@ -66,6 +67,7 @@ impl Simulation {
         let mut fork = self.fork()?;
         let policies = other.world.remove_resource::<PolicySet>().expect("every run has policies");
         let follows = fork.world.resource_mut::<PolicySet>().adopt(policies);
+        // Memory counts against the new options' limit.
         fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
         let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;

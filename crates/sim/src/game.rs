@@ -129,15 +129,14 @@ impl Answer {
         AgentId { role: self.side.role(), number: self.number }
     }
 
-    /// Returns the answer as the simulation takes it.
-    pub fn to_action(&self) -> (AgentId, Action) {
-        let choice = match self.choice {
+    /// Returns the choice as the simulation takes it.
+    pub fn action(&self) -> Action {
+        match self.choice {
             GameChoice::Go(col, row) => Action::Go(Cell { col, row }),
             GameChoice::GoToNearest => Action::GoToNearest,
             GameChoice::Wait => Action::WaitUntil(SimTime::from_nanos(self.t_ns) + WAIT),
             GameChoice::Stay => Action::Wait,
-        };
-        (self.agent(), choice)
+        }
     }
 }
 
@@ -203,10 +202,9 @@ impl Game {
         }
     }
 
-    /// Returns policies among which [`PLAYER`] gives this game's answers, and a slot for the first question that the
-    /// game has no answer to.
-    pub fn replayed(&self) -> (Policies, Unanswered) {
-        let unanswered = Unanswered::default();
+    /// Returns policies among which [`PLAYER`] gives this game's answers; the first question that the game has no answer
+    /// to goes into `unanswered`.
+    pub fn replayed(&self, unanswered: &Unanswered) -> Policies {
         let answers = Arc::new(self.answers.clone());
         let first = unanswered.clone();
         let make = move |_: &PolicyContext<'_>| {
@@ -214,7 +212,7 @@ impl Game {
             let unanswered = first.clone();
             Ok(Box::new(ScriptedPolicy { answers, next: 0, unanswered }) as Box<dyn Policy>)
         };
-        (Policies::default().with(PLAYER, make).expect("no built-in policy has this name"), unanswered)
+        Policies::default().with(PLAYER, make).expect("no built-in policy has this name")
     }
 }
 
@@ -263,7 +261,7 @@ impl Policy for ScriptedPolicy {
         let next = self.answers.get(self.next);
         if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && queried.contains(&next.agent())) {
             self.next += 1;
-            return vec![answer.to_action()];
+            return vec![(answer.agent(), answer.action())];
         }
         let has = match next {
             Some(next) => format!("the next answer is that of {} at {}", next.agent(), SimTime::from_nanos(next.t_ns)),
@@ -300,7 +298,7 @@ mod tests {
             let go = |cell: &Cell| GameChoice::Go(cell.col, cell.row);
             let choice = if turn % 7 == 3 { GameChoice::Wait } else { cells.last().map_or(GameChoice::Wait, go) };
             let answer = Answer::new(simulation.now(), agent, choice);
-            simulation.answer(vec![answer.to_action()]);
+            simulation.answer(vec![(agent, answer.action())]);
             game.answers.push(answer);
             turn += 1;
         }
@@ -321,8 +319,8 @@ mod tests {
             assert!(game.answers.len() > 10, "{scenario}: {} answers", game.answers.len());
             let read = Game::from_json(&serde_json::to_string(&game).expect("it is JSON")).expect("it is a game");
             assert_eq!(read, game);
-            let (policies, unanswered) = read.replayed();
-            let options = RunOptions { policies, ..RunOptions::default() };
+            let unanswered = Unanswered::default();
+            let options = RunOptions { policies: read.replayed(&unanswered), ..RunOptions::default() };
             let scenario = read.load().expect("it is a scenario").scenario;
             let run = run_with_options(&scenario, read.seed, &options).expect("it takes place");
             assert_eq!(unanswered.take(), None);
@@ -336,8 +334,8 @@ mod tests {
         let (mut game, _) = play(game("smoke", &[Side::Wumpus]));
         let count = game.answers.len();
         game.answers.pop();
-        let (policies, unanswered) = game.replayed();
-        let options = RunOptions { policies, ..RunOptions::default() };
+        let unanswered = Unanswered::default();
+        let options = RunOptions { policies: game.replayed(&unanswered), ..RunOptions::default() };
         let scenario = game.load().expect("it is a scenario").scenario;
         run_with_options(&scenario, game.seed, &options).expect("it takes place");
         let message = unanswered.take().expect("an answer is missing");

@@ -138,7 +138,8 @@ impl Simulation {
         let estimate = MemoryEstimate::new(scenario);
         let meter = estimate.meter(options.memory)?;
         let (mut world, schedule) = empty_world();
-        let (setting, cost) = setup::fill(&mut world, scenario, seed, &meter, options)?;
+        let mut cost = RunCost::default();
+        let setting = setup::fill(&mut world, scenario, seed, &meter, options, &mut cost)?;
         let memory = Memory { limit: options.memory, estimate, meter };
         let simulation = Self { world, schedule, setting, cost, has_started: false, memory };
         simulation.expect_within_memory()?;
@@ -149,6 +150,7 @@ impl Simulation {
     pub fn follow(&mut self, agents: &[AgentId], policy: Box<dyn Policy>) {
         let asking = policy.asking();
         let follows = self.world.resource_mut::<PolicySet>().add(policy);
+        // Cloned, as the loop changes the world that the order is in.
         for &entity in &self.world.resource::<AgentOrder>().0.clone() {
             let Some(agent) = self.world.get::<Agent>(entity).filter(|agent| agents.contains(&agent.id)) else {
                 continue;
@@ -157,6 +159,7 @@ impl Simulation {
             let is_in_team = asking != PolicyScope::Each && agent.id.role.suppresses();
             let mut followers = self.world.entity_mut(entity);
             followers.insert(follows);
+            // Agents that decide alone keep the triggers of their kind; those that leave a team must lose the team's.
             if is_in_team || was_in_team {
                 followers.insert(WakeTriggers::truck(asking, false));
             }

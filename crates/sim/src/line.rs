@@ -114,8 +114,11 @@ impl Orders {
         // Where crews go changes while they walk, as the fire grows, but is slower than they are.
         for _ in 0..8 {
             let Some(goal) = forecast.end_of_fire(first(&arrivals), from) else { return Vec::new() };
-            let walk_m = |crew: &Crew| (goal - DVec2::new(crew.x_m, crew.y_m)).length();
-            arrivals = self.crews.iter().map(|crew| set_out(crew) + walk_m(crew) / crew.speed_mps).collect();
+            let arrives = |crew: &Crew| {
+                let walk_m = (goal - DVec2::new(crew.x_m, crew.y_m)).length();
+                set_out(crew) + walk_m / crew.speed_mps
+            };
+            arrivals = self.crews.iter().map(arrives).collect();
         }
         let rate_mps = |time_s: f64, place: DVec2| self.rate_mps(&arrivals, time_s, place);
         self.task(first(&arrivals), &rate_mps).along_front(forecast, from, offset_m).cells(forecast)
@@ -136,6 +139,7 @@ impl Orders {
                 crews.iter().zip(&self.crews).map(|(&(free_s, place), crew)| free_s + walk_s(place, crew)).collect();
             let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.max_mps() > 0.0);
             let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
+            // Crews would come when the line is no longer of use: they stay free for the next one.
             if start_s >= *latest_s {
                 continue;
             }
@@ -144,6 +148,7 @@ impl Orders {
             let line = self.task(start_s, &rate_mps).along_points([one, other], frame);
             let ends = line.flanks.iter().filter_map(|flank| flank.last());
             let Some(&(end_s, end, _)) = ends.max_by(|one, other| one.0.total_cmp(&other.0)) else { continue };
+            // Who arrives after the end has not moved.
             let builders = crews.iter_mut().zip(&arrivals).filter(|(_, arrival_s)| **arrival_s <= end_s);
             builders.for_each(|(crew, _)| *crew = (end_s, end));
             cells.extend(
@@ -208,6 +213,7 @@ pub fn plan_line(
 ) {
     let Some(orders) = orders else { return };
     while queue.take(clock.0, Rank::Line).is_some() {
+        // Without a fire there is no front to build along.
         if !fires.model.is_under_way() && fires.field.burning().len() == 0 {
             queue.push(clock.0 + LOOK_AGAIN, Due::Line);
             continue;
@@ -234,6 +240,7 @@ pub fn plan_line(
 fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forecast {
     let Fires { mut field, mut model } = fires.clone();
     let mut queue = queue.clone();
+    // Crews must not know where embers will fall: the forecast draws other numbers.
     model.reseed(rng::key(seed, "line/forecast"));
     while let Some(now) = queue.next_time().filter(|&now| now <= until) {
         let due = queue.next(now).copied();
@@ -245,6 +252,7 @@ fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forec
                 spreads.into_iter().filter_map(|spread| field.ignite(spread.cell, now, false)).collect()
             }
             Some(Due::Fire(FireEvent::Dry { cell })) => field.dry(cell, now).into_iter().collect(),
+            // Agents and crews are left out: it is the fire's future without them.
             _ => Vec::new(),
         };
         changes.into_iter().for_each(|change| model.follow(&field, now, change, &mut expected));

@@ -33,18 +33,18 @@ use super::walk_lattices::WalkLattices;
 use super::water::WaterNeeds;
 use super::{line, truck, wumpus};
 
-/// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline, and
-/// the cost.
+/// Sets up the world with everybody at the start and the first decisions due. Returns the setting for the timeline.
 pub fn fill(
     world: &mut World,
     scenario: &Scenario,
     seed: u64,
     memory: &MemoryMeter,
     options: &RunOptions,
-) -> Result<(Setting, RunCost), RunError> {
+    cost: &mut RunCost,
+) -> Result<Setting, RunError> {
     let (planners, policies_by_name) = options.registry_of(scenario)?;
-    let mut cost = RunCost::default();
     let mut stopwatch = CpuStopwatch::start();
+    // The terrain comes first: all else is placed on it, and a scenario without room fails here.
     let terrain = Terrain::from_scenario(scenario, seed)?;
     cost.terrain = stopwatch.elapsed_since_last();
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
@@ -72,15 +72,18 @@ pub fn fill(
     world.init_resource::<SimClock>();
     world.init_resource::<CpuLog>();
     world.init_resource::<AgentOrder>();
+    // Before the agents, which look up the policy that they follow.
     world.insert_resource(policies(scenario, seed, &terrain, &policies_by_name)?);
 
     let water = water_rules(scenario).map(Arc::new);
+    // Kinds of ground take memory per cell, so only if a truck asks for them.
     let slows = scenario.unimog.iter().any(|truck| !truck.speed_by_ground.is_empty());
     let ground = slows.then(|| GroundKinds::new(&terrain)).flatten();
     let arena =
         SpawnContext { scenario, seed, field: &field, ground: &ground, water: &water, memory, planners: &planners };
     let mut starts = Vec::new();
     let mut grounds = WalkLattices::new(&terrain, terrain.lightable(scenario.fire.lights_ground()));
+    // Wumpuses before trucks: the order of agents decides ties and is part of a recording.
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         starts.push(wumpus::spawn(world, &mut grounds, number as u16, settings)?);
     }
@@ -88,7 +91,7 @@ pub fn fill(
     for (number, settings) in scenario.unimog.iter().enumerate() {
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
     }
-    Ok((setting(scenario, seed, &terrain, starts, spread), cost))
+    Ok(setting(scenario, seed, &terrain, starts, spread))
 }
 
 /// Makes the policies of a run: one for all agents of a name, and for crews that follow it.
@@ -110,10 +113,12 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, registry: &Polici
     };
     let mut following = PolicySet::default();
     let of_team = dispatch::policy_of(scenario, terrain, water_rules(scenario));
+    // The team's policy replaces what trucks name themselves.
     let is_dispatched =
         |agent: &usize| of_team.is_some() && agents.get(*agent).is_some_and(|agent| agent.role.suppresses());
     for (first, policy) in named.iter().enumerate() {
         let is_meant = |agent: &usize| named.get(*agent) == Some(policy) && !is_dispatched(agent);
+        // One policy object for all that name it, made for the first of them.
         if !is_meant(&first) || (0..first).any(|agent| is_meant(&agent)) {
             continue;
         }
@@ -121,6 +126,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, registry: &Polici
         let made = match *policy {
             NamedPolicy::BuiltIn(rule) => rule.make(&rule_site),
             NamedPolicy::Custom(name) => {
+                // A registered policy need not have a table of its own in the scenario.
                 let custom = scenario.policy.get(name).map(|program| Value::Object(program.settings.clone()));
                 let site = PolicyContext {
                     name,
@@ -132,6 +138,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, registry: &Polici
                     agents: &agents,
                     plays: &plays,
                     custom_settings: custom.as_ref().unwrap_or(&Value::Null),
+                    // The policy's name is part of the stream: two policies never share random numbers.
                     stream: &|stream: &str| rng::stream(seed, &format!("policy/{name}/{stream}")),
                 };
                 let mut stopwatch = CpuStopwatch::start();
@@ -232,6 +239,7 @@ fn setting(
 }
 
 fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
+    // Shuffled only if an entry asks for random cells, and once, so that entries take from one order.
     let permutation = LazyLock::new(|| -> Arc<[Cell]> {
         let mut cells = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
         cells.shuffle(&mut rng::stream(seed, "ignition"));

@@ -110,7 +110,7 @@ pub struct Reservation {
 }
 
 impl Reservation {
-    pub fn new((entity, id): (Entity, AgentId), body: Dimensions, leg: Trajectory, is_idle: bool) -> Self {
+    pub fn new(entity: Entity, id: AgentId, body: Dimensions, leg: Trajectory, is_idle: bool) -> Self {
         let swept = SweptBox::new(MovingBody { body: &body, trajectory: &leg });
         Self { entity, id, body, leg, is_idle, swept }
     }
@@ -139,6 +139,14 @@ impl Reservation {
         let stand = MovingBody { body: &self.body, trajectory: &stand };
         first_conflict(motion, stand, motion.trajectory.start_time(), MARGIN_M)
     }
+}
+
+/// A leg that begins with a wait, and when it meets another truck.
+#[derive(Debug)]
+pub struct Meeting {
+    pub wait_s: f64,
+    pub leg: Trajectory,
+    pub meets_at: SimTime,
 }
 
 /// The reservations of the other trucks, as one truck sees them.
@@ -180,10 +188,11 @@ impl<'a> Traffic<'a> {
     }
 
     /// Returns a leg that meets others, and the same after the wait of [`WAITS_S`] with which it drives farthest before it
-    /// meets one, if that is farther; each with its wait and the time of the meeting.
-    pub fn meetings(self, body: &Dimensions, leg: &Trajectory) -> Vec<(f64, Trajectory, SimTime)> {
-        let mut farthest: Vec<(f64, Trajectory, SimTime)> = Vec::new();
+    /// meets one, if that is farther.
+    pub fn meetings(self, body: &Dimensions, leg: &Trajectory) -> Vec<Meeting> {
+        let mut farthest = Vec::new();
         let mut max_m = f64::NEG_INFINITY;
+        // In order of waits, so that a longer one counts only if it leads clearly farther.
         for wait_s in WAITS_S {
             let leg = after_waiting(leg, wait_s);
             let motion = MovingBody { body, trajectory: &leg };
@@ -194,8 +203,9 @@ impl<'a> Traffic<'a> {
             let free_m = leg.distance_m(meets_at);
             if free_m > max_m + GAIN_M {
                 max_m = free_m;
+                // The leg without a wait stays; of the others only the best.
                 farthest.truncate(1);
-                farthest.push((wait_s, leg, meets_at));
+                farthest.push(Meeting { wait_s, leg, meets_at });
             }
         }
         farthest
@@ -228,6 +238,7 @@ impl<'a> Traffic<'a> {
         }
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
         let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
+        // A bounded number of tests, coarser where waits are long.
         let step_s = WAIT_STEP_S.max(longest_s / MAX_STEPS);
         let steps = (longest_s / step_s).ceil() as u32;
         let mut later = (1..=steps).map(|step| leg.after_waiting(f64::from(step) * step_s));
@@ -237,11 +248,13 @@ impl<'a> Traffic<'a> {
     /// Returns a leg cut at the first place, from `now` on, where the truck may stand for good.
     pub fn stopping(self, body: &Dimensions, leg: &Trajectory, now: SimTime, limits: &SpeedLimits) -> Trajectory {
         let is_free = |cut: &Trajectory| self.first_in_conflict(MovingBody { body, trajectory: cut }, now).is_none();
+        // A leg that has not begun stops where it stands.
         let at_once = if leg.start_time() >= now {
             Trajectory::new(now, leg.start(), Vec::new())
         } else {
             leg.stopping(now, limits)
         };
+        // The soonest stop is the usual one: where it blocks nobody, no other is tried.
         if is_free(&at_once) {
             return at_once;
         }
@@ -286,7 +299,7 @@ impl PredictedMotions for MotionsOfOthers<'_> {
                 let pose = segment.pose_at(from, share * segment.length_m);
                 let time = SimTime::from_seconds(begins_s + share * (ends_s - begins_s));
                 let extra_m = EXTRA_M[usize::from(other.leg.end_time() <= time)];
-                gap_between((self.body, pose), (&other.body, other.leg.pose_at(time))) > MARGIN_M + extra_m
+                gap_between(self.body, pose, &other.body, other.leg.pose_at(time)) > MARGIN_M + extra_m
             })
         })
     }
@@ -318,7 +331,7 @@ mod tests {
         let north = Pose::new(0.0, -24.0, std::f64::consts::FRAC_PI_2);
         let leg = straight(passes_s - 3.0, north, 80.0);
         let body = Dimensions::default();
-        let reservation = Reservation::new((other, AgentId::unimog(1)), body, leg, false);
+        let reservation = Reservation::new(other, AgentId::unimog(1), body, leg, false);
         (straight(0.0, Pose::new(-40.0, 0.0, 0.0), 100.0), reservation, entity)
     }
 

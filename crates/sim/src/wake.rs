@@ -95,6 +95,7 @@ impl TriggerEvent {
 impl Trigger {
     /// Returns what the agent is to do about the news, if they wake it.
     fn wakes(self, agent: &Agent, news: TriggerEvent, now: SimTime) -> Option<AgentEvent> {
+        // Only pairs that can matter are listed; whether the agent is in the state for it is asked after.
         let (is_woken, event) = match (self, news) {
             (Self::GoalIgnited, TriggerEvent::Ignition(cell) | TriggerEvent::Water(cell))
             | (Self::GoalBurnsNoMore, TriggerEvent::FireOver(cell)) => (agent.goal == Some(cell), AgentEvent::GoalLost),

@@ -31,7 +31,7 @@ impl WaterNeeds {
     pub fn follow(&mut self, event: CellEvent, now: SimTime, fires: &FireField) {
         match event {
             CellEvent::Ignite { cell, cause } => {
-                let front = self.spread.front((cell, now, cause), |near| fires.last_ignited(near));
+                let front = self.spread.front(cell, now, cause, |near| fires.last_ignited(near));
                 let litres = front.map_or(0.0, |front| self.energy.litres(front, fires.frame().cell_m));
                 self.litres.insert(cell, litres);
             }
@@ -51,8 +51,8 @@ impl WaterNeeds {
     }
 
     /// Chooses the cells that a stop puts out with some portions: its goal, then others in their order as far as the water
-    /// lasts. Returns the portions that it takes too.
-    pub fn of_stop(&self, goal: Cell, others: impl IntoIterator<Item = Cell>, left: u32) -> (Vec<Cell>, u32) {
+    /// lasts.
+    pub fn plan_stop(&self, goal: Cell, others: impl IntoIterator<Item = Cell>, left: u32) -> StopPlan {
         let (mut cells, mut litres) = (Vec::new(), 0.0);
         for cell in std::iter::once(goal).chain(others) {
             let with = litres + self.litres(cell);
@@ -61,6 +61,13 @@ impl WaterNeeds {
                 cells.push(cell);
             }
         }
-        (cells, self.energy.water_units(litres))
+        StopPlan { cells, water_units: self.energy.water_units(litres) }
     }
+}
+
+/// The cells that a stop puts out, and the portions that it takes.
+#[derive(Debug)]
+pub struct StopPlan {
+    pub cells: Vec<Cell>,
+    pub water_units: u32,
 }

@@ -107,6 +107,7 @@ impl Wumpus {
             let to = self.lattice.position(step[1]);
             let heading = ops::atan2(to.y - from.y, to.x - from.x);
             let length_m = self.lattice.step_length(step[0], step[1]);
+            // Steps in one direction make one piece, so that recordings hold turns and not steps.
             if heading == facing
                 && let Some(Piece::Drive { segment, .. }) = pieces.last_mut()
             {
@@ -117,6 +118,7 @@ impl Wumpus {
                 pieces.push(Piece::Turn { heading });
                 facing = heading;
             }
+            // Between 1 and the square root of 2 steps, far from rounding.
             let is_diagonal = length_m > 1.2 * self.lattice.step_m();
             let step_s = if is_diagonal { self.step_times.1 } else { self.step_times.0 };
             pieces.push(Piece::Drive {
@@ -161,6 +163,7 @@ pub fn spawn(
         let from = Pose::new(start.x, start.y, 0.0);
         recorder.record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from });
     }
+    // Known at the start: the lattice does not change in a run.
     if !targets.walled_in.is_empty() {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::OutOfReach { cells: targets.walled_in.clone() });
     }
@@ -186,6 +189,7 @@ pub fn spawn(
     };
     let mut triggers = vec![Trigger::FuelWhileResting, Trigger::ChangeWhileWaiting];
     triggers.extend((!settings.keep_goal).then_some(Trigger::GoalIgnited));
+    // Policies are made before the agents.
     let follows = world.resource::<PolicySet>().policy_of(id);
     let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
     Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WakeTriggers(triggers), follows)))
@@ -209,10 +213,11 @@ impl Turn<'_> {
         let mut stopwatch = CpuStopwatch::start();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let walk =
-            planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, (goal, wumpus.reach_m), &mut monitor);
+            planners.lock(wumpus.planner).plan(&wumpus.lattice, wumpus.point, goal, wumpus.reach_m, &mut monitor);
         agent.cost.local_search += stopwatch.elapsed_since_last();
         *ready += wumpus.charge(walk.expansions);
-        recorder.record_searches(*now, agent.id, monitor.finish().1);
+        recorder.record_searches(*now, agent.id, monitor.finish().searches);
+        // A descent that ends where it begins is no walk; one that leads anywhere is walked to its end.
         if walk.is_stuck() && walk.minimum == Some(wumpus.point) {
             self.fail(goal, walk.expansions, *ready);
             return false;
@@ -223,6 +228,7 @@ impl Turn<'_> {
 
     fn set_out(&mut self, goal: Cell, walk: Walk, ready: SimTime) {
         self.wumpus.is_stuck = walk.is_stuck();
+        // From this point the same descent would end in the same minimum.
         if self.wumpus.is_stuck {
             self.wumpus.failed_goals.insert((self.wumpus.point, goal));
         } else if let Some(minimum) = walk.minimum {
@@ -234,7 +240,7 @@ impl Turn<'_> {
         let effort = Effort { roadmap_expansions: 0, local_expansions: walk.expansions };
         let fact = AgentFact::Planned { goal, trajectory: trajectory.clone(), effort, found_by: None };
         agent.answer(*now, fact, recorder);
-        agent.set_out(*entity, *now, (goal, trajectory), AgentEvent::Lighting, queue);
+        agent.set_out(*entity, *now, goal, trajectory, AgentEvent::Lighting, queue);
     }
 
     /// Books a plan that failed because the Wumpus stands at a local minimum; its planning time is over at `until`.
@@ -270,6 +276,7 @@ impl Turn<'_> {
             let start_time = agent.trajectory.start_time();
             let start = agent.trajectory.start();
             let prefix = |points: usize| wumpus.trajectory(start_time, start, &wumpus.walk[..points]);
+            // It goes on to the next point of the lattice, as it can only decide on one.
             let points = (1..wumpus.walk.len()).find(|&points| prefix(points).end_time() >= *now);
             let points = points.unwrap_or(wumpus.walk.len());
             let cut = prefix(points);
@@ -286,11 +293,13 @@ impl Turn<'_> {
     /// Carries out what its policy chose. If that fails it is asked again, with what it learned in mind.
     fn act(mut self, choice: Action, fires: &FireField, planners: &WalkPlanners, cpu_log: &mut CpuLog) {
         let Self { agent, wumpus, now, .. } = &mut self;
+        // A state of another revision belongs to a decision that was overtaken.
         let state = wumpus.deliberation.take().filter(|state| state.revision == agent.revision);
         let WumpusDecision { mut ready, cpu, .. } =
             state.unwrap_or(WumpusDecision { revision: agent.revision, ready: *now, cpu: agent.cost.total() });
         match choice {
             Action::Go(goal) if wumpus.is_option(goal, fires) => {
+                // The decision goes on with what it has cost so far.
                 if !self.try_goal(goal, &mut ready, planners) {
                     self.wumpus.deliberation = Some(WumpusDecision { revision: self.agent.revision, ready, cpu });
                     return;
@@ -341,6 +350,7 @@ fn light(
 ) {
     while let Some(wake) = queue.take_for(clock.0, AgentEvent::Lighting, |_| true) {
         let Ok((mut agent, mut wumpus)) = wumpuses.get_mut(wake.agent) else { continue };
+        // It changed its plans on the way.
         if agent.revision != wake.revision {
             continue;
         }
@@ -386,13 +396,16 @@ fn decide(
     let (now, fires) = (clock.0, &fires.field);
     while let Some(wake) = queue.next_for(now, AgentEvent::Decision, |entity| wumpuses.contains(entity)) {
         let (agent, wumpus, &policy) = wumpuses.get(wake.agent).expect("the entity is a Wumpus");
+        // Due for something that has changed since.
         if agent.revision != wake.revision {
             queue.drop_next();
             continue;
         }
+        // Policies are asked only if there is something to choose.
         let choices = if wumpus.options(fires).next().is_none() {
             vec![(wake.agent, Action::Wait)]
         } else {
+            // All that are due at this instant and follow this policy are asked together.
             let queried = queue.decisions(now).filter_map(|due| {
                 let (agent, _, &follows) = wumpuses.get(due.agent).ok()?;
                 (agent.revision == due.revision && follows == policy).then_some((agent.id, due.agent))
@@ -411,6 +424,7 @@ fn decide(
             let find = |entity| wumpuses.get(entity).ok().map(|(_, wumpus, _)| wumpus);
             following.ask(policy, inquiry, &OptionsOfWumpuses { find, fires })
         };
+        // An external policy has not answered yet: the run pauses here.
         if choices.is_empty() {
             return;
         }

@@ -16,7 +16,7 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
 use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
-use wildfire_fire::surface::crown::{FireType, spreading_fire};
+use wildfire_fire::surface::crown::{FireType, SpreadingFire, spreading_fire};
 use wildfire_fire::surface::{FuelBed, SurfaceFire, flame_length_m, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Relief, Weather};
 
@@ -50,6 +50,7 @@ impl<'a> BurnMap<'a> {
         let mut ignitions: Vec<Option<(SimTime, Cause)>> = vec![None; setting.frame.cell_count()];
         let mut burn = |time, cell, cause| {
             let first = &mut ignitions[setting.frame.index(cell)];
+            // The first ignition counts: a map shows when fire came.
             *first = Some(first.unwrap_or((time, cause)));
         };
         let mut lost = BTreeSet::new();
@@ -59,6 +60,7 @@ impl<'a> BurnMap<'a> {
                     burn(event.time, cell, cause);
                     lost.insert(setting.frame.index(cell));
                 }
+                // A bush that was put out counts as saved.
                 Fact::Fire(FireFact::Extinguished { cell, .. }) => {
                     lost.remove(&setting.frame.index(cell));
                 }
@@ -109,31 +111,34 @@ impl<'a> BurnMap<'a> {
     /// ignited by an ember were not reached by a front and have no values.
     pub fn behavior(&self) -> Option<FireBehavior> {
         let SpreadSetting::Rothermel { landscape, weather, rules } = self.setting.spread.as_ref()? else { return None };
-        Some(FireBehavior::new((landscape, weather, rules), &self.ignitions))
+        Some(FireBehavior::new(landscape, weather, rules, &self.ignitions))
     }
 }
 
 impl FireBehavior {
     /// Computes the behaviour from when and why each cell caught fire, by cell index.
     pub fn new(
-        (landscape, weather, rules): (&Landscape, &Weather, &RothermelRules),
+        landscape: &Landscape,
+        weather: &Weather,
+        rules: &RothermelRules,
         ignitions: &[Option<(SimTime, Cause)>],
     ) -> Self {
         let mut fires = LocalFires::new(landscape, weather, rules);
-        let none = || vec![f64::NAN; ignitions.len()];
-        let [direction_deg, rate_m_min, intensity_kw_m, flame_length, fire_type] = [(); 5].map(|()| none());
+        let [direction_deg, rate_m_min, intensity_kw_m, flame_length, fire_type] =
+            [(); 5].map(|()| vec![f64::NAN; ignitions.len()]);
         let mut behavior = Self { direction_deg, rate_m_min, intensity_kw_m, flame_length_m: flame_length, fire_type };
         for (index, ignition) in ignitions.iter().enumerate() {
             let &Some((time, cause)) = ignition else { continue };
             let cell = landscape.frame.cell(index);
             let fire = fires.at(cell, time);
-            behavior.fire_type[index] = fire.map_or(f64::NAN, |(_, kind)| f64::from(kind as u8));
+            behavior.fire_type[index] = fire.map_or(f64::NAN, |found| f64::from(found.fire_type as u8));
+            // Lighters and embers bring no front, so there is no direction or rate.
             let Cause::Spread(parent) = cause else { continue };
-            let direction = front_direction(&landscape.frame, (cell, time, parent), |near| {
+            let direction = front_direction(&landscape.frame, cell, time, parent, |near| {
                 Some(ignitions[landscape.frame.index(near)]?.0)
             });
             behavior.direction_deg[index] = compass::azimuth_deg(direction);
-            let Some((fire, _)) = fire else { continue };
+            let Some(SpreadingFire { fire, .. }) = fire else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);
             let intensity = fire.intensity_kw_m(rate_mps);
             behavior.rate_m_min[index] = 60.0 * rate_mps;
@@ -158,14 +163,16 @@ impl SpreadSetting {
     /// rate. See [`front_direction`].
     pub fn front(
         &self,
-        (cell, time, cause): (Cell, SimTime, Cause),
+        cell: Cell,
+        time: SimTime,
+        cause: Cause,
         ignited_at: impl Fn(Cell) -> Option<SimTime>,
     ) -> Option<Front> {
         let Self::Rothermel { landscape, weather, rules } = self else { return None };
-        let (fire, _) = spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time)?;
+        let fire = spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time)?.fire;
         let rate_mps = match cause {
             Cause::Spread(parent) => {
-                fire.front_normal_rate_mps(front_direction(&landscape.frame, (cell, time, parent), ignited_at))
+                fire.front_normal_rate_mps(front_direction(&landscape.frame, cell, time, parent, ignited_at))
             }
             Cause::Spotted(_) | Cause::Agent(_) | Cause::Scheduled => fire.rate_mps,
         };
@@ -177,7 +184,9 @@ impl SpreadSetting {
 /// that caught fire before.
 pub fn front_direction(
     frame: &FieldFrame,
-    (cell, time, parent): (Cell, SimTime, Cell),
+    cell: Cell,
+    time: SimTime,
+    parent: Cell,
     ignited_at: impl Fn(Cell) -> Option<SimTime>,
 ) -> DVec2 {
     // Seconds by which the neighbour burned earlier; nothing of later ones.
@@ -221,8 +230,8 @@ impl<'a> LocalFires<'a> {
         Self { landscape, weather, rules, beds, level }
     }
 
-    /// Returns the fire of a cell that the front reaches at a time, and its type; `None` where nothing can burn.
-    fn at(&mut self, cell: Cell, time: SimTime) -> Option<(SurfaceFire, FireType)> {
+    /// Returns the fire of a cell that the front reaches at a time; `None` where nothing can burn.
+    fn at(&mut self, cell: Cell, time: SimTime) -> Option<SpreadingFire> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
@@ -231,12 +240,12 @@ impl<'a> LocalFires<'a> {
         }
         let is_plane = matches!(landscape.relief, Relief::Plane(_));
         if let Some(fire) = self.level[place].filter(|_| is_plane) {
-            return Some((fire, FireType::Surface));
+            return Some(SpreadingFire { fire, fire_type: FireType::Surface });
         }
         let (bed, wind) = self.beds[place].as_ref()?;
         let fire = bed.behavior(*wind, landscape.gradient(cell), &rules.options);
         self.level[place] = is_plane.then_some(fire);
-        Some((fire, FireType::Surface))
+        Some(SpreadingFire { fire, fire_type: FireType::Surface })
     }
 }
 
@@ -257,7 +266,7 @@ mod tests {
         let landscape = Landscape::uniform(FRAME, 102);
         let weather = Weather::constant(DVec2::new(4.0, 0.0), FuelMoisture::default());
         let rules = RothermelRules::default();
-        let fire = LocalFires::new(&landscape, &weather, &rules).at(START, SimTime::ZERO).expect("grass burns").0;
+        let fire = LocalFires::new(&landscape, &weather, &rules).at(START, SimTime::ZERO).expect("grass burns").fire;
         let spread = SpreadSetting::Rothermel { landscape: Arc::new(landscape), weather: Arc::new(weather), rules };
         let mut setting = sample::small_setting(&[]);
         setting.frame = FRAME;

@@ -40,6 +40,7 @@ const MAX_EXAMINED: usize = 1 << 24;
 /// can burn again, or where a recording does not say what trucks can do.
 pub fn min_loss(timeline: &Timeline) -> Option<u32> {
     let setting = &timeline.setting;
+    // Where fire may come again a fire that is put out is not over, and the bound would not hold.
     let fire = setting.rules.fire.filter(|fire| !fire.reignition)?;
     if setting.spread.is_some() || setting.rules.reignition {
         return None;
@@ -47,11 +48,13 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
     let trucks = setting.agents.iter().filter(|agent| agent.id.role == Role::Unimog).map(|start| {
         let limits = start.limits?;
         let centre = start.body.centre(start.pose);
+        // The body's middle may move by that much while the axle stands.
         let swing_m = 2.0 * (centre - start.pose.position()).length();
         Some(TruckBound { start: centre, speed_mps: limits.forward_mps.max(limits.reverse_mps), swing_m })
     });
     let trucks = trucks.collect::<Option<Vec<TruckBound>>>()?;
     let acts = source_ignitions(timeline);
+    // Without trucks the run itself shows what is lost.
     if trucks.is_empty() {
         let caught = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
         return Some(caught.count() as u32);
@@ -197,16 +200,19 @@ impl<'a> TruckLimits<'a> {
         let mut lost = 0;
         let mut examined = 0;
         while let Some(Reverse((now, is_source, bush))) = due.pop() {
+            // What is not looked at counts as saved, so the bound holds.
             if now > self.setting.rules.duration || examined > MAX_EXAMINED {
                 break;
             }
             let ignited: Vec<usize> = if is_source { vec![bush] } else { self.within_radius(bush, &mut examined) };
             for bush in ignited {
+                // A bush catches fire once here.
                 if !caught.insert(bush) {
                     continue;
                 }
                 let place = self.setting.frame.centre(self.setting.bushes[bush]);
                 let arrival_s = self.first_arrival_s(place);
+                // Bushes that were lit are counted by `left_uncovered`, each in one of both.
                 if !jobs_of.contains_key(&bush) {
                     lost += u32::from(arrival_s + self.dwell_s > self.due_s(now) + TOLERANCE_S);
                 }
@@ -218,6 +224,7 @@ impl<'a> TruckLimits<'a> {
                 };
                 let out_s = arrival_s.max(now.as_seconds()) + self.dwell_s;
                 let spreads_at = now + self.fire.spread_delay;
+                // Even the nearest truck would come too late to keep it from spreading.
                 if goes_on && out_s > spreads_at.as_seconds() + TOLERANCE_S {
                     due.push(Reverse((spreads_at, false, bush)));
                 }
@@ -249,6 +256,7 @@ impl<'a> TruckLimits<'a> {
             jobs.iter().copied().filter(|job| self.trucks.iter().any(|truck| can_begin(truck, job))).collect();
         let out_of_reach = (jobs.len() - reachable.len()) as u32;
         let pairs = reachable.len() * reachable.len() * self.trucks.len();
+        // The matching grows with the cube; a weaker bound is still one.
         if reachable.len() > MAX_CHAINED || pairs > MAX_PAIRS {
             return out_of_reach;
         }
@@ -329,6 +337,7 @@ fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
             next_changed.dedup();
             changed = next_changed;
         }
+        // The first of equal ones, so that the answer does not depend on the machine.
         let cheapest = (0..costs.len()).min_by_key(|&leader| costs[leader]).unwrap_or(chain);
         let mut freed = cheapest;
         while let Some((node, leader)) = passed_on[freed].filter(|_| costs[cheapest] < 0) {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{AgentFact, Fact};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
-use wildfire_base::trajectory::Trajectory;
+use wildfire_base::trajectory::{MotionState, Trajectory};
 
 /// The activity of an agent, as of its latest fact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -140,7 +140,7 @@ impl<'a> AgentProgress<'a> {
             .min()
     }
 
-    pub fn pose_and_speed(&self, time: SimTime) -> (Pose, f64) {
-        self.leg.map_or((self.start, 0.0), |leg| leg.state_at(time))
+    pub fn motion_at(&self, time: SimTime) -> MotionState {
+        self.leg.map_or(MotionState::standing(self.start), |leg| leg.state_at(time))
     }
 }

@@ -6,6 +6,7 @@ use super::progress::{Activity, AgentProgress};
 use super::{AgentId, BushState, Event, Fact, FireFact, GroundEvent, GroundFact, Timeline};
 use wildfire_base::geometry::{Cell, Pose};
 use wildfire_base::time::SimTime;
+use wildfire_base::trajectory::MotionState;
 
 impl Event {
     /// Returns the bush that the fact changes, if any, and its new state.
@@ -168,7 +169,7 @@ impl<'a> Replay<'a> {
 
     /// Returns an agent by its place in [`super::Setting::agents`].
     pub fn agent(&self, agent: usize) -> AgentState {
-        let (pose, speed_mps) = self.agents[agent].pose_and_speed(self.time);
+        let MotionState { pose, speed_mps } = self.agents[agent].motion_at(self.time);
         let id = self.timeline.setting.agents[agent].id;
         AgentState { id, pose, speed_mps, activity: self.activity(agent), goal: self.goal(agent) }
     }
@@ -237,7 +238,7 @@ mod tests {
         };
         let leg = timeline.events.iter().rev().filter(|event| event.time <= time).find_map(leg_of);
         leg.map_or((start.pose, 0.0, false), |leg| {
-            let (pose, speed_mps) = leg.state_at(time);
+            let MotionState { pose, speed_mps } = leg.state_at(time);
             (pose, speed_mps, leg.start_time() <= time && time < leg.end_time())
         })
     }

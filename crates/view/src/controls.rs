@@ -165,8 +165,8 @@ fn base_name(runs: &[&RunView], time: SimTime) -> String {
 
 fn run_name(run: &RunView) -> String {
     let setting = &run.timeline().setting;
-    let is_plain = |letter: char| letter.is_alphanumeric() || matches!(letter, '-' | '_');
-    let scenario = setting.scenario.chars().map(|letter| if is_plain(letter) { letter } else { '_' });
+    let scenario = setting.scenario.chars();
+    let scenario = scenario.map(|letter| if letter.is_alphanumeric() || letter == '-' { letter } else { '_' });
     // Long names are cut, so that the whole fits a file name.
     format!("{}-seed-{}", scenario.take(40).collect::<String>(), setting.seed)
 }

@@ -265,7 +265,7 @@ impl LiveRun {
             None => return Err(SessionError::new("nobody is asked")),
         }
         let answer = Answer::new(self.simulation.now(), agent, choice);
-        self.simulation.answer(vec![answer.to_action()]);
+        self.simulation.answer(vec![(agent, answer.action())]);
         self.game.answers.push(answer);
         Ok(())
     }

@@ -288,6 +288,7 @@ fn add_to_board(arguments: &ArenaRunArguments, stage: &ArenaStage) -> Result<Exi
     let entries = arguments.entries.iter().map(|path| ArenaEntry::read(path)).collect::<Result<Vec<_>, _>>()?;
     let selected = selected_tracks(&arguments.track)?;
     let board = Board::new(&arguments.board);
+    // All entries are checked before one plays: a run of hours must not end with a name.
     board.expect_distinct(&entries)?;
     fs::create_dir_all(&arguments.board).map_err(|error| CliError::unwritable(&arguments.board, &error))?;
     let mut work = Vec::new();
@@ -312,6 +313,7 @@ fn add_to_board(arguments: &ArenaRunArguments, stage: &ArenaStage) -> Result<Exi
                 first.row.seed,
                 first.violation.as_deref().unwrap_or_default()
             ));
+            // An entry that breaks a rule stays off this track only.
             continue;
         }
         board.add(entry, track, played.into_iter().map(|played| played.row).collect())?;
@@ -429,6 +431,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &ArenaStage) -> Result<ExitC
             .map(|place| rows[place].clone())
             .collect();
         let mut by_entry: BTreeMap<String, Vec<ArenaRow>> = BTreeMap::new();
+        // By entry, as each plays with its own planners and programs.
         sampled.into_iter().for_each(|row| by_entry.entry(row.entry.clone()).or_default().push(row));
         for (name, rows) in by_entry {
             let seeds = rows.iter().map(|row| row.seed).collect::<std::collections::BTreeSet<_>>();
@@ -461,6 +464,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &ArenaStage) -> Result<ExitC
         .collect::<Vec<_>>()
         .join("\n");
     let left: usize = replayed.not_started.values().map(|(_, runs)| runs).sum();
+    // If nothing could be played, nothing was confirmed.
     if left == runs {
         return Err(CliError::bad_input(format_args!("nothing could be recomputed: {not_started}"), None));
     }

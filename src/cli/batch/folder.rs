@@ -17,7 +17,7 @@ use super::{exit_code, list, note_leftovers, note_repeated};
 use crate::cli::args::{PaperArguments, ProgramArguments, jobs_or_usual, parse_jobs};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
-use crate::cli::next_command::{help_on_unfinished, next_command, resume_command};
+use crate::cli::next_command::{NextCommand, help_on_unfinished, next_command, resume_command};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, check_grounds, run_of_batch, write_page};
 use crate::cli::{interrupt, numbers, output_files, terminal};
@@ -497,6 +497,6 @@ fn next_step(folder: &OutputFolder, slices: &[(Slice, SliceState)], lock: &LockA
     {
         return Some("The tables are written.".into());
     }
-    let (purpose, command) = next_command(folder.path(), slices, &lock.args())?;
+    let NextCommand { purpose, command } = next_command(folder.path(), slices, &lock.args())?;
     Some(format!("{purpose} with: {command}"))
 }

@@ -78,6 +78,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                     None => plan(arguments, context)?,
                 },
             };
+            // Before anything is written: a plan may run programs.
             context.expect_trusted_plan(&plan)?;
             context.note_doubts(plan.variants.iter().map(|variant| &variant.scenario));
             if arguments.slurm.slurm {
@@ -89,6 +90,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                 return Ok(exit_code(left_out));
             }
             let batch = begin(arguments, plan, slice)?;
+            // From here on an interrupt leaves a folder that can be resumed.
             interrupt::set_resumable();
             batch
         }
@@ -97,15 +99,18 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
         note_repairs(batch.found());
     }
     let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.args();
+    // Every error from here on ends with the command that resumes.
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
     let (batch, look) = run_with_progress(batch, jobs, watch.stop(), context).map_err(from_batch)?;
+    // Tables are those of the whole batch: a slice is merged later.
     if !batch.progress().slice().is_whole() {
         drop(watch);
         terminal::print(&arguments.form.render(&slice_summary(&batch, &arguments.keeping.lock)))?;
-        return Ok(exit_code(batch.progress().stored().1));
+        return Ok(exit_code(batch.progress().not_done()));
     }
+    // Tables are made by as many threads as runs were.
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
     drop(watch);
@@ -268,7 +273,8 @@ fn run_with_progress(
     stop: &Arc<AtomicBool>,
     context: &CommandContext,
 ) -> Result<(Batch, Option<Look>), BatchError> {
-    let (stored, mut not_done) = batch.progress().stored();
+    let stored = batch.progress().stored();
+    let mut not_done = batch.progress().not_done();
     let lost = batch.found().lost_recordings.len() as u64;
     let progress = Progress::new(batch.progress().count() + lost, "runs", context.quiet).resumed(stored);
     // Only of a batch from its beginning, whose runs are all still to come.
@@ -292,11 +298,12 @@ fn run_with_progress(
 }
 
 fn slice_summary(batch: &Batch, lock: &LockArguments) -> SliceAnswer {
-    let slice = batch.progress().slice();
-    let (stored, not_done) = batch.progress().stored();
+    let progress = batch.progress();
+    let slice = progress.slice().to_string();
     let folder = batch.folder().path().display().to_string();
     let merge = format!("wildfire merge {}{}", shell_word(&folder), lock.args());
-    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice: slice.to_string(), runs: stored, not_done, merge }
+    let runs = progress.stored();
+    SliceAnswer { program_version: PROGRAM_VERSION, folder, slice, runs, not_done: progress.not_done(), merge }
 }
 
 /// Lists what a plan would run.

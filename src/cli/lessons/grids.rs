@@ -129,8 +129,8 @@ fn astar(heuristic: Heuristic, weight: f64) -> SearchOrder {
 
 fn searches_of(board: LessonMap, connectivity: Connectivity, orders: &[(&str, SearchOrder)]) -> Value {
     let runs = orders.iter().map(|&(name, order)| {
-        let ends = (board.start, board.goal);
-        let found = search_best_first(&board.occupied, ends, order, connectivity, CORNERS).expect("both ends are free");
+        let found = search_best_first(&board.occupied, board.start, board.goal, order, connectivity, CORNERS)
+            .expect("both ends are free");
         json!({
             "name": name,
             "args": search_args(order, connectivity),
@@ -200,11 +200,12 @@ pub fn samples() -> Value {
 }
 
 fn samples_of(board: LessonMap) -> Value {
-    let ends = (board.start, board.goal);
+    let start = board.start;
+    let goal = board.goal;
     let tree = |kind, seed, samples| {
         let (neighbours, radius) = (None, None);
         let settings = RrtSettings { seed, samples, step: 5.0, goal_bias: 0.05, neighbours, radius };
-        grow_tree(&board.occupied, ends, kind, &settings).expect("both ends are free")
+        grow_tree(&board.occupied, start, goal, kind, &settings).expect("both ends are free")
     };
     let mut runs = Vec::new();
     for seed in [1, 2] {
@@ -212,7 +213,7 @@ fn samples_of(board: LessonMap) -> Value {
         let star = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::RrtStar, seed, samples)));
         let prm = STAGES.map(|samples| {
             let settings = PrmSettings { seed, samples, neighbours: Some(12), radius: None };
-            let roadmap = probabilistic_roadmap(&board.occupied, ends, &settings).expect("both ends are free");
+            let roadmap = probabilistic_roadmap(&board.occupied, start, goal, &settings).expect("both ends are free");
             graph_data(samples, &roadmap)
         });
         for (name, command, more, stages) in
@@ -225,7 +226,7 @@ fn samples_of(board: LessonMap) -> Value {
     let costs: Vec<_> = (1..=COST_SEEDS)
         .map(|seed| COST_STAGES.map(|samples| tree(TreeKind::RrtStar, seed, samples).cost.map(|cost| short(cost, 2))))
         .collect();
-    let any_angle = theta_star(&board.occupied, ends, CORNERS).expect("both ends are free");
+    let any_angle = theta_star(&board.occupied, start, goal, CORNERS).expect("both ends are free");
     let mut data = board.data(runs);
     data["costs"] =
         json!({"samples": COST_STAGES, "seeds": costs, "reference": any_angle.cost.map(|cost| short(cost, 2))});

@@ -120,7 +120,8 @@ pub fn check_inside(which: &'static str, occupied: &Grid<bool>, place: Place) ->
 pub fn check_problem(
     command: &'static str,
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
 ) -> Result<(), MapInputError> {
     check_size(command, occupied)?;
     check_free("goal", occupied, goal)?;

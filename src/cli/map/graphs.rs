@@ -10,7 +10,7 @@ use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::map::computed::{
     Computed, MapInputError, MapPath, MapValues, MapWalk, NoData, WalkResult, check_problem, timed,
 };
-use crate::cli::map::options::{PathArguments, parse_number};
+use crate::cli::map::options::{EndArguments, GoalArguments, PathArguments, parse_number};
 use crate::cli::map::traces::GraphTrace;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
@@ -182,9 +182,9 @@ pub fn parse_step(text: &str) -> Result<TreeStep, String> {
 pub type Search<P> = PathArguments<GraphFiles, P>;
 
 pub fn rrt(occupied: &Grid<bool>, Search { ends, parameters, .. }: &Search<Growth>) -> Result<Computed, MapInputError> {
-    let ends = ends.places();
     let settings = parameters.settings(occupied, None);
-    let found = answer(occupied, "rrt", ends, || grow_tree(occupied, ends, TreeKind::Rrt, &settings))?;
+    let found =
+        answer(occupied, "rrt", ends, |start, goal| grow_tree(occupied, start, goal, TreeKind::Rrt, &settings))?;
     Ok(Computed { title: "RRT".to_owned(), ..found })
 }
 
@@ -192,9 +192,10 @@ pub fn rrt_star(
     occupied: &Grid<bool>,
     Search { ends, parameters: RrtStarParameters { growth, near }, .. }: &Search<RrtStarParameters>,
 ) -> Result<Computed, MapInputError> {
-    let ends = ends.places();
     let settings = growth.settings(occupied, Some(near));
-    let found = answer(occupied, "rrt-star", ends, || grow_tree(occupied, ends, TreeKind::RrtStar, &settings))?;
+    let found = answer(occupied, "rrt-star", ends, |start, goal| {
+        grow_tree(occupied, start, goal, TreeKind::RrtStar, &settings)
+    })?;
     Ok(Computed { title: "RRT*".to_owned(), ..found })
 }
 
@@ -202,9 +203,8 @@ pub fn roadmap(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<PrmParameters>,
 ) -> Result<Computed, MapInputError> {
-    let ends = ends.places();
     let settings = parameters.settings();
-    let found = answer(occupied, "prm", ends, || probabilistic_roadmap(occupied, ends, &settings))?;
+    let found = answer(occupied, "prm", ends, |start, goal| probabilistic_roadmap(occupied, start, goal, &settings))?;
     Ok(Computed { title: "PRM".to_owned(), ..found })
 }
 
@@ -212,11 +212,11 @@ pub fn roadmap(
 fn answer<E: std::fmt::Debug>(
     occupied: &Grid<bool>,
     command: &'static str,
-    (start, goal): (Place, Place),
-    search: impl FnOnce() -> Result<PointGraph, E>,
+    &EndArguments { start, goal: GoalArguments { goal, .. } }: &EndArguments,
+    search: impl FnOnce(Place, Place) -> Result<PointGraph, E>,
 ) -> Result<Computed, MapInputError> {
-    check_problem(command, occupied, (start, goal))?;
-    let (graph, cpu_map) = timed(|| search().expect("both ends are on the map"));
+    check_problem(command, occupied, start, goal)?;
+    let (graph, cpu_map) = timed(|| search(start, goal).expect("both ends are on the map"));
     let mut min = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
     for (point, &cost) in graph.points.iter().zip(&graph.costs) {
         let cell = point.cell();

@@ -21,7 +21,7 @@ use clap::Subcommand;
 pub use options::{NO_IMAGE, parse_tolerance};
 
 use commands::Computation;
-use computed::MapInputError;
+use computed::{MapInputError, timed};
 use page::MapPageArguments;
 use report::{MapReport, with_scene, write_film};
 use timing::TimingArguments;
@@ -56,7 +56,8 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     let stream = check_files(computation)?;
     let input = &computation.files().input;
     let output = &computation.files().output;
-    let (map, cpu_read) = input.reading.read(&input.map)?;
+    let (map, cpu_read) = timed(|| input.reading.read(&input.map));
+    let map = map?;
     let computed = computation.compute(&map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
     if output.form.json && !quiet {

@@ -1,7 +1,6 @@
 //! Options that several commands of `wildfire map` share, and what they mean to the algorithms.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
@@ -12,7 +11,6 @@ use crate::cli::map::commands::ArgumentGroup;
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
 use crate::cli::report::FormArguments;
-use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_grid::map_files::{self, MAX_CELLS, MAX_SIDE, MapError, MapFile, Reading, Tolerance};
 use wildfire_grid::parameter::BadParameter;
 use wildfire_grid::{Connectivity, CornerCutting, Place, occupancy};
@@ -102,16 +100,15 @@ impl ReadingArguments {
         args.join(" ")
     }
 
-    /// Reads the map in a file, without its edges, and says how much CPU time that took.
-    pub fn read(&self, path: &Path) -> Result<(MapFile, Duration), CliError> {
-        let mut stopwatch = CpuStopwatch::start();
+    /// Reads the map in a file, without its edges.
+    pub fn read(&self, path: &Path) -> Result<MapFile, CliError> {
         let reading = Reading { tolerance: self.tolerance.unwrap_or_default(), inverted: self.invert };
         let mut map = map_files::read(path, reading)?;
         occupancy::remove_edges(&mut map.occupied, self.remove_edges);
         if let Some(MapSize { cols, rows }) = self.resize {
             map.resize(rows, cols).map_err(|fault| MapError { path: path.to_owned(), fault })?;
         }
-        Ok((map, stopwatch.elapsed_since_last()))
+        Ok(map)
     }
 }
 
@@ -203,12 +200,6 @@ pub struct EndArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub goal: GoalArguments,
-}
-
-impl EndArguments {
-    pub fn places(&self) -> (Place, Place) {
-        (self.start, self.goal.goal)
-    }
 }
 
 #[derive(Debug, Args, Serialize)]

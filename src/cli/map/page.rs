@@ -10,7 +10,7 @@ use clap::{Args, Parser};
 
 use crate::cli::error::CliError;
 use crate::cli::map::commands::Computation;
-use crate::cli::map::computed::{Computed, Value, WalkResult};
+use crate::cli::map::computed::{Computed, Value, WalkResult, timed};
 use crate::cli::map::explained::{cost, explanation};
 use crate::cli::map::graphs::{TreeStep, parse_count, parse_step};
 use crate::cli::map::options::{CornerArguments, EndArguments, NeighbourArguments, ReadingArguments};
@@ -82,7 +82,8 @@ struct PagePart {
 
 pub fn run(arguments: &MapPageArguments, quiet: bool) -> Result<(), CliError> {
     check_folder(&arguments.out)?;
-    let (map, cpu_read) = arguments.reading.read(&arguments.map)?;
+    let (map, cpu_read) = timed(|| arguments.reading.read(&arguments.map));
+    let map = map?;
     let mut parts = Vec::new();
     for args in commands(arguments) {
         let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&args) else {
@@ -127,9 +128,8 @@ fn check_folder(folder: &Path) -> Result<(), CliError> {
 
 /// The words of every computation, maps first.
 fn commands(arguments: &MapPageArguments) -> Vec<Vec<OsString>> {
-    let (start, goal) = arguments.ends.places();
-    let goal = format!("--goal {}", place_text(goal));
-    let ends = format!("{goal} --start {}", place_text(start));
+    let goal = format!("--goal {}", place_text(arguments.ends.goal.goal));
+    let ends = format!("{goal} --start {}", place_text(arguments.ends.start));
     let neighbours = format!("--neighbours {}", arguments.neighbours.connectivity.0);
     let corners = if arguments.corners.no_corner_cutting { "--no-corner-cutting" } else { "" };
     let mut growth = format!("--seed {}", arguments.seed);
@@ -179,7 +179,8 @@ fn of_map(map: &MapFile) -> Vec<String> {
 
 fn page(arguments: &MapPageArguments, map: &MapFile, parts: &[PagePart], cpu_read: Duration) -> Document {
     let name = arguments.map.file_name().unwrap_or(arguments.map.as_os_str()).to_string_lossy();
-    let (start, goal) = arguments.ends.places();
+    let start = arguments.ends.start;
+    let goal = arguments.ends.goal.goal;
     // Notes on the map is said once.
     let of_map = of_map(map);
     let rows = map.occupied.rows();

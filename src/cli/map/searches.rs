@@ -10,7 +10,8 @@ use crate::cli::map::computed::{
     Computed, MapInputError, MapValues, MapWalk, NoData, check_problem, check_size, timed, title_with_neighbours,
 };
 use crate::cli::map::options::{
-    CornerArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours, parse_number, parse_place,
+    CornerArguments, EndArguments, GoalArguments, NeighbourArguments, Neighbours, PathArguments, choices, neighbours,
+    parse_number, parse_place,
 };
 use crate::cli::map::traces::{SearchTrace, ShortestCost};
 use crate::cli::output_files::Format;
@@ -206,15 +207,14 @@ pub fn best_first<P: Args + Ordered>(
     Search { ends, parameters, .. }: &Search<P>,
 ) -> Result<Computed, MapInputError> {
     let SearchParameters { neighbours, corners } = parameters.search();
-    let ends = ends.places();
     let neighbours = neighbours.connectivity;
     let corners = corners.rule();
     let (name, command) = parameters.names();
     let order = parameters.order();
     let connectivity = neighbours.into();
-    let search = |order| search_best_first(occupied, ends, order, connectivity, corners);
+    let search = |order| search_best_first(occupied, ends.start, ends.goal.goal, order, connectivity, corners);
     let title = with_corners(title_with_neighbours(&name, neighbours), corners);
-    let mut found = answer(occupied, command, ends, || search(order))?;
+    let mut found = answer(occupied, command, ends, |_, _| search(order))?;
     let bound = order.cost_bound(connectivity);
     if let Some(trace) = found.search.as_mut().filter(|trace| trace.cost.is_some() && bound != Some(1.0)) {
         let shortest = search(SearchOrder::astar(connectivity)).expect("both ends are on the map");
@@ -227,9 +227,8 @@ pub fn any_angle(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
 ) -> Result<Computed, MapInputError> {
-    let ends = ends.places();
     let corners = parameters.corners.rule();
-    let mut found = answer(occupied, "theta", ends, || theta_star(occupied, ends, corners))?;
+    let mut found = answer(occupied, "theta", ends, |start, goal| theta_star(occupied, start, goal, corners))?;
     if let Some(MapWalk { path, .. }) = &mut found.walk {
         path.is_any_angle = true;
         path.length = line_length(&path.cells);
@@ -241,9 +240,8 @@ pub fn jumps(
     occupied: &Grid<bool>,
     Search { ends, parameters, .. }: &Search<EightSearchParameters>,
 ) -> Result<Computed, MapInputError> {
-    let ends = ends.places();
     let corners = parameters.corners.rule();
-    let found = answer(occupied, "jps", ends, || jump_point_search(occupied, ends, corners))?;
+    let found = answer(occupied, "jps", ends, |start, goal| jump_point_search(occupied, start, goal, corners))?;
     Ok(Computed { title: with_corners("Jump point search, 8 neighbours".to_owned(), corners), ..found })
 }
 
@@ -255,11 +253,11 @@ fn with_corners(title: String, corners: CornerCutting) -> String {
 fn answer<E: std::fmt::Debug>(
     occupied: &Grid<bool>,
     command: &'static str,
-    (start, goal): (Place, Place),
-    search: impl FnOnce() -> Result<PathSearch, E>,
+    &EndArguments { start, goal: GoalArguments { goal, .. } }: &EndArguments,
+    search: impl FnOnce(Place, Place) -> Result<PathSearch, E>,
 ) -> Result<Computed, MapInputError> {
-    check_problem(command, occupied, (start, goal))?;
-    let (found, cpu_map) = timed(|| search().expect("both ends are on the map"));
+    check_problem(command, occupied, start, goal)?;
+    let (found, cpu_map) = timed(|| search(start, goal).expect("both ends are on the map"));
     let PathSearch { route, cost, expanded, touched, swept, costs } = found;
     Ok(Computed {
         bare: NoData::Infinite("not reached"),
@@ -275,13 +273,13 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     check_size("voronoi", occupied)?;
     let corners = arguments.corners.rule();
     let ends = arguments.start.zip(arguments.goal);
-    if let Some(ends) = ends {
-        check_problem("voronoi", occupied, ends)?;
+    if let Some((start, goal)) = ends {
+        check_problem("voronoi", occupied, start, goal)?;
     }
     let (found, cpu_map) = timed(|| voronoi(occupied, arguments.sites.into()));
     let walk = ends.map(|(start, goal)| {
         timed(|| {
-            let route = path_along(occupied, &found.diagram, (start, goal), corners);
+            let route = path_along(occupied, &found.diagram, start, goal, corners);
             MapWalk { start, goal, path: route.expect("both ends are on the map").into() }
         })
     });

@@ -62,7 +62,7 @@ struct Timings {
 pub fn run(arguments: &TimingArguments, quiet: bool) -> Result<(), CliError> {
     let mut timings = Vec::new();
     for path in &arguments.maps {
-        let (map, _) = arguments.reading.read(path)?;
+        let map = arguments.reading.read(path)?;
         if !quiet {
             let doubts = map.doubts();
             map.notes.iter().chain(&doubts).for_each(|note| terminal::note(&format!("{}: {note}", path.display())));

@@ -169,6 +169,7 @@ fn of_run(
     let arrival_s = map.arrival_s();
     let setting = &run.timeline.setting;
     let trees = setting.spread.as_ref().is_some_and(|spread| spread.landscape().canopy.is_some());
+    // Behaviour costs a fire per cell; arrival alone does not need it.
     let is_needed = quantity != RunQuantity::Arrival || arguments.files.bands.is_some();
     let behavior = if is_needed || trees { map.behavior() } else { None };
     if is_needed && behavior.is_none() {

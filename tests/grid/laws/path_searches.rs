@@ -15,7 +15,7 @@ use super::problems::{WAYS, Way, assert_is_walk, free_places, lengths_by_petgrap
 const CORNERS: [CornerCutting; 2] = [CornerCutting::Allowed, CornerCutting::Forbidden];
 
 fn search(occupied: &Grid<bool>, ends: (Place, Place), order: SearchOrder, way: Way) -> PathSearch {
-    search_best_first(occupied, ends, order, way.0, way.1).expect("both ends are free")
+    search_best_first(occupied, ends.0, ends.1, order, way.0, way.1).expect("both ends are free")
 }
 
 fn greedy_order(connectivity: Connectivity) -> SearchOrder {
@@ -41,7 +41,7 @@ fn astar_dijkstra_and_jumps_cost_what_another_dijkstra_says() {
                 search(&occupied, (start, goal), SearchOrder::Dijkstra, way),
             ];
             if way.0 == Connectivity::Eight {
-                found.push(jump_point_search(&occupied, (start, goal), way.1).expect("both ends are free"));
+                found.push(jump_point_search(&occupied, start, goal, way.1).expect("both ends are free"));
             }
             for search in &found {
                 let case = format!("seed {seed}, {way:?}");
@@ -148,7 +148,7 @@ fn any_angle_paths_are_free_and_cost_no_more_than_steps() {
     for seed in 0..200 {
         let (occupied, start, goal) = random_problem(seed);
         for corners in CORNERS {
-            let found = theta_star(&occupied, (start, goal), corners).expect("both ends are free");
+            let found = theta_star(&occupied, start, goal, corners).expect("both ends are free");
             let astar = search(
                 &occupied,
                 (start, goal),
@@ -174,13 +174,13 @@ fn any_angle_paths_are_free_and_cost_no_more_than_steps() {
 #[test]
 fn wrong_ends_are_refused_and_an_occupied_start_is_an_answer() {
     let wall = map(&[".#."]);
-    let searches = |ends: (Place, Place)| {
+    let searches = |(start, goal): (Place, Place)| {
         let way = (Connectivity::Eight, CornerCutting::Allowed);
         vec![
-            search_best_first(&wall, ends, SearchOrder::astar(way.0), way.0, way.1).map(|found| found.route),
-            search_best_first(&wall, ends, greedy_order(way.0), way.0, way.1).map(|found| found.route),
-            theta_star(&wall, ends, way.1).map(|found| found.route),
-            jump_point_search(&wall, ends, way.1).map(|found| found.route),
+            search_best_first(&wall, start, goal, SearchOrder::astar(way.0), way.0, way.1).map(|found| found.route),
+            search_best_first(&wall, start, goal, greedy_order(way.0), way.0, way.1).map(|found| found.route),
+            theta_star(&wall, start, goal, way.1).map(|found| found.route),
+            jump_point_search(&wall, start, goal, way.1).map(|found| found.route),
         ]
     };
     let all = |ends, expected: &Result<Route, BadPlace>| assert!(searches(ends).iter().all(|found| found == expected));
@@ -220,11 +220,11 @@ fn trees_and_roadmaps_are_free_and_their_costs_are_lengths() {
         let (occupied, start, goal) = random_problem(seed);
         let ends = (start, goal);
         let settings = RrtSettings { seed, ..tree(400) };
-        let rrt = grow_tree(&occupied, ends, TreeKind::Rrt, &settings).expect("both ends are free");
-        let star = grow_tree(&occupied, ends, TreeKind::RrtStar, &settings).expect("both ends are free");
+        let rrt = grow_tree(&occupied, start, goal, TreeKind::Rrt, &settings).expect("both ends are free");
+        let star = grow_tree(&occupied, start, goal, TreeKind::RrtStar, &settings).expect("both ends are free");
         let prm = PrmSettings { seed, samples: 300, neighbours: None, radius: Some(9.0) };
-        let prm = probabilistic_roadmap(&occupied, ends, &prm).expect("both ends are free");
-        assert_eq!(rrt, grow_tree(&occupied, ends, TreeKind::Rrt, &settings).expect("the same"));
+        let prm = probabilistic_roadmap(&occupied, start, goal, &prm).expect("both ends are free");
+        assert_eq!(rrt, grow_tree(&occupied, start, goal, TreeKind::Rrt, &settings).expect("the same"));
         assert_is_sound(&occupied, &rrt, ends, 3.01);
         // An edge that was joined again may be longer than a step.
         assert_is_sound(&occupied, &star, ends, f64::INFINITY);
@@ -243,13 +243,15 @@ fn trees_and_roadmaps_are_free_and_their_costs_are_lengths() {
 #[test]
 fn cost_of_rrt_star_falls_with_samples_and_nears_the_shortest() {
     let occupied = map(&["..........", "..######..", "..######..", "..........", "....##....", "....##...."]);
-    let ends = ((0, 0), (5, 9));
-    let cost =
-        |samples| grow_tree(&occupied, ends, TreeKind::RrtStar, &tree(samples)).expect("both ends are free").cost;
+    let start = (0, 0);
+    let goal = (5, 9);
+    let cost = |samples| {
+        grow_tree(&occupied, start, goal, TreeKind::RrtStar, &tree(samples)).expect("both ends are free").cost
+    };
     let costs: Vec<f64> =
         [500, 1000, 2000, 4000, 8000].into_iter().map(|samples| cost(samples).expect("found")).collect();
     assert!(costs.windows(2).all(|pair| pair[1] <= pair[0]) && costs[4] < costs[0], "{costs:?}");
-    let theta = theta_star(&occupied, ends, CornerCutting::Forbidden).expect("both ends are free").cost;
+    let theta = theta_star(&occupied, start, goal, CornerCutting::Forbidden).expect("both ends are free").cost;
     assert!(costs[4] < 1.05 * theta.expect("found"), "{costs:?} and {theta:?}");
 }
 
@@ -257,7 +259,7 @@ fn cost_of_rrt_star_falls_with_samples_and_nears_the_shortest() {
 fn every_free_cell_of_an_open_map_is_found_by_trees() {
     let occupied = map(&["....", ".##.", "...."]);
     for goal in free_places(&occupied) {
-        let found = grow_tree(&occupied, ((0, 0), goal), TreeKind::Rrt, &tree(2000)).expect("both ends are free");
+        let found = grow_tree(&occupied, (0, 0), goal, TreeKind::Rrt, &tree(2000)).expect("both ends are free");
         assert_eq!(found.answer, PointRoute::Found, "{goal:?}");
     }
 }

@@ -99,7 +99,7 @@ mod tests {
         let speed_at = |x: f64| {
             let arrives = |after: f64| slower.pose_at(SimTime::from_seconds(after)).x >= x;
             let after = (0..).map(|step| 0.01 * f64::from(step)).find(|&after| arrives(after)).expect("it gets there");
-            slower.state_at(SimTime::from_seconds(after)).1
+            slower.state_at(SimTime::from_seconds(after)).speed_mps
         };
         assert!(speed_at(49.0) <= 2.5 && speed_at(101.0) <= 2.51 && speed_at(75.0) > 8.0);
     }

@@ -78,15 +78,15 @@ impl Piece {
         }
     }
 
-    /// Pose and speed `elapsed_s` into this piece.
-    fn state_at(&self, start: Pose, elapsed_s: f64) -> (Pose, f64) {
+    fn state_at(&self, start: Pose, elapsed_s: f64) -> MotionState {
         match *self {
             Self::Drive { segment, speed_mps, acceleration_mps2 } => {
                 let travelled = self.covered_m(elapsed_s).copysign(segment.length_m);
-                (segment.pose_at(start, travelled), (speed_mps + acceleration_mps2 * elapsed_s).max(0.0))
+                let speed_mps = (speed_mps + acceleration_mps2 * elapsed_s).max(0.0);
+                MotionState { pose: segment.pose_at(start, travelled), speed_mps }
             }
-            Self::Turn { heading } => (Pose::new(start.x, start.y, heading), 0.0),
-            Self::Wait { .. } => (start, 0.0),
+            Self::Turn { heading } => MotionState::standing(Pose::new(start.x, start.y, heading)),
+            Self::Wait { .. } => MotionState::standing(start),
         }
     }
 
@@ -96,6 +96,20 @@ impl Piece {
             Self::Turn { heading } => Pose::new(start.x, start.y, heading),
             Self::Wait { .. } => start,
         }
+    }
+}
+
+/// Pose and speed of a body at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionState {
+    pub pose: Pose,
+    /// Never negative, in reverse too.
+    pub speed_mps: f64,
+}
+
+impl MotionState {
+    pub fn standing(pose: Pose) -> Self {
+        Self { pose, speed_mps: 0.0 }
     }
 }
 
@@ -191,19 +205,17 @@ impl Trajectory {
     }
 
     pub fn pose_at(&self, time: SimTime) -> Pose {
-        self.state_at(time).0
+        self.state_at(time).pose
     }
 
-    /// Pose and speed (m/s, never negative) at a time.
-    ///
     /// At an instant where one piece ends and the next begins, the next one counts; a turn on the spot is done by then.
-    pub fn state_at(&self, time: SimTime) -> (Pose, f64) {
+    pub fn state_at(&self, time: SimTime) -> MotionState {
         if time < self.start_time {
-            return (self.start, 0.0);
+            return MotionState::standing(self.start);
         }
         match self.progress_at(time) {
             Some(progress) => self.pieces[progress.index].state_at(progress.start, progress.elapsed_s),
-            None => (self.end(), 0.0),
+            None => MotionState::standing(self.end()),
         }
     }
 
@@ -328,7 +340,7 @@ mod tests {
     #[test]
     fn distance_and_speed_follow_the_pieces() {
         let walk = walk();
-        let state = |seconds| (walk.distance_m(at(seconds)), walk.state_at(at(seconds)).1);
+        let state = |seconds| (walk.distance_m(at(seconds)), walk.state_at(at(seconds)).speed_mps);
         assert_eq!([state(0.0), state(10.0), state(11.0)], [(0.0, 0.0), (0.0, 2.0), (2.0, 2.0)]);
         assert_eq!([state(13.5), state(14.0), state(15.0)], [(6.0, 0.0), (6.0, 2.0), (8.0, 2.0)]);
         assert_eq!([state(17.0), state(50.0)], [(12.0, 0.0), (12.0, 0.0)]);
@@ -340,9 +352,9 @@ mod tests {
             let segment = Segment { curvature: 1.0 / 13.0, length_m: 0.1 * f64::from(count) };
             let path = Path { start: Pose::new(50.0, 40.0, 0.3), segments: vec![segment; count as usize] };
             let drive = Trajectory::from_path(&path, at(0.3), SpeedLimits::new(7.3, 3.1));
-            assert_eq!(drive.state_at(drive.end_time()), (drive.end(), 0.0));
+            assert_eq!(drive.state_at(drive.end_time()), MotionState::standing(drive.end()));
             assert_eq!(drive.distance_m(drive.end_time()), drive.distance_m(SimTime::MAX));
-            assert_eq!(drive.state_at(SimTime::ZERO), (drive.start(), 0.0));
+            assert_eq!(drive.state_at(SimTime::ZERO), MotionState::standing(drive.start()));
             assert_eq!(drive.pose_at(drive.start_time()), drive.start());
             assert!((drive.end().position() - path.end().position()).length() < 1e-11);
             // The last nanosecond moves the body by no more than its speed allows.

@@ -358,7 +358,7 @@ pub(super) mod tests {
             let mut integrated = 0.0;
             for k in 0..5000 {
                 let middle = drive.state_at(SimTime::from_seconds((f64::from(k) + 0.5) * step));
-                integrated += middle.1 * step;
+                integrated += middle.speed_mps * step;
             }
             assert!((integrated - path.length_m()).abs() < 0.05, "{integrated} m of {} m", path.length_m());
         }

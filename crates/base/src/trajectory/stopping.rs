@@ -36,7 +36,7 @@ impl Trajectory {
 
     /// Adds the pieces of braking from there on.
     fn brake(&self, progress: PieceProgress, braking: f64, pieces: &mut Vec<Piece>) {
-        let (_, mut speed) = self.pieces[progress.index].state_at(progress.start, progress.elapsed_s);
+        let mut speed = self.pieces[progress.index].state_at(progress.start, progress.elapsed_s).speed_mps;
         let rest = self.pieces[progress.index].after(progress.elapsed_s);
         let mut reverse = None;
         for piece in rest.into_iter().chain(self.pieces[progress.index + 1..].iter().copied()) {
@@ -102,8 +102,8 @@ impl Piece {
 mod tests {
     use rand::RngExt;
 
-    use super::super::SpeedLimits;
     use super::super::profile::tests::{random_limits, random_path};
+    use super::super::{MotionState, SpeedLimits};
     use super::*;
     use crate::geometry::Pose;
     use crate::rng;
@@ -159,7 +159,7 @@ mod tests {
             let until = cut.end_time().as_nanos().max(at.as_nanos()) + 1;
             for _ in 0..20 {
                 let after = SimTime::from_nanos(rng.random_range(from..until));
-                let (pose, speed) = cut.state_at(after);
+                let MotionState { pose, speed_mps: speed } = cut.state_at(after);
                 let metres = cut.distance_m(after);
                 let expected = pose_after(&drive, metres);
                 assert!((pose.position() - expected.position()).length() < 1e-9);
@@ -180,7 +180,7 @@ mod tests {
             let cut = drive.stopping(at, &SpeedLimits { braking_mps2: None, ..limits });
             assert_eq!(cut.end_time(), at);
             assert!((cut.end().position() - drive.pose_at(at).position()).length() < 1e-9);
-            assert_eq!(cut.state_at(at).1, 0.0);
+            assert_eq!(cut.state_at(at).speed_mps, 0.0);
         }
     }
 

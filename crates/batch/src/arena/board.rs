@@ -406,6 +406,7 @@ impl TrackBoard {
             pairs,
             metric,
         };
+        // What neighbours on the board can differ by without meaning: half the width of their interval.
         let mut widths: Vec<f64> = ranking
             .pairs
             .iter()
@@ -414,6 +415,7 @@ impl TrackBoard {
             .map(|interval| 0.5 * (interval.high - interval.low))
             .collect();
         widths.sort_by(f64::total_cmp);
+        // The median, as one pair with few runs must not decide.
         let noise_floor = widths.get(widths.len() / 2).copied();
         let mut entries: Vec<BoardEntry> = found.into_iter().map(|(entry, _)| entry).collect();
         entries.sort_by_key(|entry| ranking.entries.iter().position(|ranked| ranked.name == entry.card.name));

@@ -113,6 +113,7 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     let problems = DriveProblems { goals: Some(1), ..DriveProblems::default() }.load(scenario, run.seed)?;
     let problem = &problems[0];
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
+    // A custom planner may panic; its entry then has a failed run.
     let result = panics::catch(|| {
         let makers = (players.planners_of)(scenario).map_err(|message| (message, true))?;
         let question = AttemptSettings {

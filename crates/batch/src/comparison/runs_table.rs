@@ -118,6 +118,7 @@ impl RunsTable {
         let mut failures: Vec<(String, Vec<u64>)> =
             reasons.iter().map(|(_, name)| (name.clone(), Vec::new())).collect();
         while table.next_row()? {
+            // While reading, as a file may be longer than the memory.
             if seeds.len() as u64 == MAX_RUNS {
                 return Err(ComparisonError::TooManyRows { path: table.path().to_owned(), limit: MAX_RUNS });
             }
@@ -135,6 +136,7 @@ impl RunsTable {
             for ((_, counts), (place, _)) in failures.iter_mut().zip(&reasons) {
                 counts.push(table.count(*place, "").unwrap_or(0));
             }
+            // Levels are numbered as they come: texts are kept once, not once a run.
             for (place, condition, index_of) in &mut conditions {
                 let level = table.bytes(*place);
                 if level.len() > MAX_LEVEL_BYTES || index_of.len() > MAX_LEVELS {
@@ -147,8 +149,10 @@ impl RunsTable {
                     RowField::Is(_, word) if !table.bytes(place).is_empty() => {
                         f64::from(u8::from(table.bytes(place) == word.as_bytes()))
                     }
+                    // An empty word is a missing value, not another word.
                     RowField::Is(..) => f64::NAN,
                     RowField::Number(_) => match table.number(place)? {
+                        // Larger numbers would overflow in the squares of the statistics.
                         Some(number) if number.abs() <= LARGEST => number,
                         Some(_) => return Err(table.wrong_value(place, "a number, or nothing").into()),
                         None => f64::NAN,

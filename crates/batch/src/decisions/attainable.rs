@@ -142,6 +142,7 @@ impl DecisionTree {
 
 /// Goes through decisions by time, and keeps every answer that loses less.
 fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound, RunError> {
+    // One simulation stays before the decision, the other plays on: no run is played from its beginning twice.
     let mut search = HindsightSearch {
         before: start.fork()?,
         fork: start.fork()?,
@@ -152,6 +153,7 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
     let mut decisions = search.play(None)?;
     let lost = search.fork.lost();
     let mut attainable = lost;
+    // Until a pass over all decisions improves nothing: a later answer may make an earlier one worth changing.
     loop {
         let before = attainable;
         search.restart(start)?;
@@ -161,6 +163,7 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
             let Decision { time, agent, .. } = &decision;
             search.go_to(*time);
             let taken = search.answers.get(time).copied();
+            // At one time one agent's answer can be changed.
             if taken.is_some_and(|(other, _)| other != agent.id) {
                 continue;
             }
@@ -176,6 +179,7 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
                     // Later answers belonged to the run before this improvement.
                     search.answers.split_off(time);
                     search.answers.insert(answer.0, answer.1);
+                    // It goes on behind the decision that was changed, in the run that followed from it.
                     next = played.partition_point(|later| later.time <= *time);
                     decisions = played;
                 }

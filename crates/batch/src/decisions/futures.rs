@@ -134,6 +134,7 @@ impl SelectedDecisions {
         let mut report = WhyReport { scenario: scenario_name, seed, lost, bushes, worths };
         let count = report.worths.len();
         let mut played = 0;
+        // In rounds: most decisions are settled by few futures, and only the others get all.
         for part in ROUNDS {
             let until = ((f64::from(self.futures) * part).round() as u32).clamp(FEWEST_FUTURES, self.futures);
             let mut open: Vec<&mut DecisionValue> =
@@ -142,6 +143,7 @@ impl SelectedDecisions {
                 continue;
             }
             tell(JudgeProgress::Begins { decisions: open.len() });
+            // Some pieces a thread, as decisions early in a run take longer to play on.
             let piece = open.len().div_ceil(PIECES_A_THREAD * rayon::current_num_threads());
             open.par_chunks_mut(piece).try_for_each(|piece| {
                 let mut bench = CounterfactualRunner::new(scenario, seed, options)?;
@@ -152,6 +154,7 @@ impl SelectedDecisions {
                 })
             })?;
             played = until;
+            // After each round, as p-values of all decisions are adjusted together.
             report.adjust();
             if played < self.futures {
                 tell(JudgeProgress::Interim { futures: played, report: &report });

@@ -85,6 +85,7 @@ pub enum AttemptError {
 pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Result<Vec<Attempt<'a>>, AttemptError> {
     let &AttemptSettings { planners, makers, programs, seed, limit } = question;
     let estimate = MemoryEstimate::from_problem(problem, planners);
+    // Refused before anything is built.
     estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
@@ -94,6 +95,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
     let kinds = GroundKinds::new(&problem.terrain);
     let mut by_planner = Vec::new();
     for planner in planners {
+        // A meter for each planner, as they are built one after the other.
         let memory = estimate.meter(limit)?;
         let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
         let mut stopwatch = CpuStopwatch::start();
@@ -109,6 +111,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         };
         let mut prepared =
             truck.make_planner(&context).map_err(|reason| AttemptError::NoPlanner { name: planner.clone(), reason })?;
+        // The field is built once, but every planner needs it.
         let build = field_time + stopwatch.elapsed_since_last();
         let mut attempts = Vec::new();
         for (goal, &target) in problem.goals.iter().enumerate() {
@@ -128,6 +131,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         drop(prepared);
         estimate.overrun(&memory, limit).map_or(Ok(()), |exceeded| Err(AttemptError::from(exceeded)))?;
     }
+    // Rows are by goal and then by planner, while planners were built one by one.
     Ok((0..problem.goals.len())
         .flat_map(|_| by_planner.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>())
         .collect())

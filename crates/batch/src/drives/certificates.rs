@@ -65,8 +65,8 @@ impl CertificateFile {
             };
             let (_, checker) =
                 cached.take_if(|(of, _)| std::ptr::eq(*of, problem)).unwrap_or_else(|| (problem, checker(problem)));
-            let ends = (problem.start, goal);
-            if let Some(certificate) = Certificate::new(&checker, ends, MIN_CLEARANCE_M, shortest_m) {
+            let found = Certificate::new(&checker, problem.start, goal, MIN_CLEARANCE_M, shortest_m);
+            if let Some(certificate) = found {
                 rows.iter_mut().for_each(|row| row.certified_bound_m = Some(certificate.bound_m));
                 certificates.push(GoalCertificate { field: problem.name.clone(), goal: group[0].goal, certificate });
             }

@@ -126,6 +126,7 @@ impl TryFrom<CallFields> for PlannerCall {
             (_, Some(_)) => return Err("a plan has no failure"),
         };
         Ok(Self {
+            // One number for both roles, so that a call takes less of a journal's line.
             agent: if agent % 2 == 0 { AgentId::wumpus(number) } else { AgentId::unimog(number) },
             time: SimTime::from_nanos(nanos),
             goal: (col, row),
@@ -213,6 +214,7 @@ fn is_answer(event: &Event) -> bool {
 /// Returns the query that a fact is the answer to. A drive to a place goes for the cell there.
 fn call_of(event: &Event, frame: &FieldFrame) -> Option<PlannerCall> {
     let Fact::Agent(agent, fact) = &event.fact else { return None };
+    // A waiting place is written as its cell, so that all calls have a goal of one kind.
     let cell_at = |x_m: f64, y_m: f64| frame.cell_at(DVec2::new(x_m, y_m));
     let (goal, answer, effort) = match fact {
         AgentFact::Planned { goal, trajectory, effort, found_by } => {

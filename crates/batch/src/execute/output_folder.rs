@@ -92,6 +92,7 @@ impl OutputFolder {
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
+        // A folder with foreign files is fine; only results of a batch must not be overwritten by accident.
         let existing = FILES.into_iter().chain([RECORDINGS_FOLDER]).find(|entry| path.join(entry).exists());
         if let (Some(entry), false) = (existing, overwrite) {
             return Err(BatchError::HoldsResults { path: path.to_owned(), entry: entry.to_owned() });

@@ -40,6 +40,7 @@ impl Pilot {
             pilot.runs += 1;
             pilot.total += time;
             pilot.longest = pilot.longest.max(time);
+            // The estimate may be coarse, but it must not take long itself.
             if pilot.total > LONGEST {
                 break;
             }

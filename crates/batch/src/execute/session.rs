@@ -116,11 +116,13 @@ impl Batch {
     ) -> Result<Self, BatchError> {
         // Other slices may be at work: what they left is removed when they are merged.
         let leftovers = if slice.is_whole() { folder.remove_leftovers()? } else { Vec::new() };
+        // Before the first run, so that a folder that cannot be written to is found at once.
         if plan.record != Record::None {
             folder.prepare_recordings()?;
         }
         let journal = journal.open(&plan, slice, disk.as_ref())?;
         let has_torn_line = journal.index().is_torn();
+        // Recordings may have been removed since: their runs are done, so they are only recorded again.
         let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
         let repeated = journal.index().repeated();
         let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
@@ -202,6 +204,7 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.drain(..).map(|lost| lost.run).collect();
         let lost_count = lost.len();
+        // A process with nothing to do is no machine that took part.
         if !lost.is_empty() || self.journal.index().missing(is_wanted).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
                 // Of a folder that is gone, the journal says it better.
@@ -209,6 +212,7 @@ impl Batch {
                 noted => noted?,
             }
         }
+        // Entries of a course take turns, so that all of them meet the machine equally busy.
         let in_turn = in_turn(&self.plan, self.journal.index().missing(is_wanted));
         let work = Work {
             plan: Arc::clone(&self.plan),
@@ -220,6 +224,7 @@ impl Batch {
         let worked_off = run_all(work, jobs, &mut self.journal, on_run);
         // Whatever ended the work, the runs that are over are to be kept.
         let brought = self.journal.bring_home();
+        // The first fault is reported: a copy that cannot be brought home may follow from it.
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
@@ -306,9 +311,11 @@ fn lost_recordings(
     journal: &JournalIndex,
 ) -> Result<Vec<LostRecording>, BatchError> {
     let lost = journal.recorded().par_iter().filter_map(|&run| {
+        // Verified and not only found: a process may have been killed while it wrote one.
         let path = folder.recording(&plan.recording_name(&plan.run(run)));
         match file::verify(&path) {
             Ok(()) => None,
+            // A disk that cannot be read is no reason to make recordings again.
             Err(FileError::Io(source)) if source.kind() != ErrorKind::NotFound => {
                 Some(Err(BatchError::Unreadable { path, source }))
             }
@@ -341,6 +348,7 @@ fn write_plan(plan: &BatchPlan, folder: &OutputFolder, name: &str, disk: &dyn Di
 
 /// Writes the plan unless another slice has written one meanwhile, which then must be the same.
 fn write_plan_once(plan: &BatchPlan, folder: &OutputFolder, slice: Slice, disk: &dyn Disk) -> Result<(), BatchError> {
+    // Slices may begin at the same time, so each writes a part of its own.
     let part_name = format!("{PLAN_FILE}.{}", JOURNAL.name(slice));
     write_plan(plan, folder, &part_name, disk)?;
     let part = folder.path().join(part_name);

@@ -54,12 +54,14 @@ fn state_of(
     let path = folder.journal(slice);
     let (file, is_running) = match open_to_read(&path, folder.keeping().lock) {
         Ok(file) => (Ok(file), false),
+        // Whoever holds the lock is at work; reading needs none.
         Err(JournalError::Locked { .. }) => (File::open(&path), true),
         Err(JournalError::Unreadable { source, .. }) => (Err(source), false),
         Err(error) => return Err(error),
     };
     let file = match file {
         Ok(file) => file,
+        // A slice without a journal has not begun.
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let runs = slice.count(plan.count());
             return Ok(SliceState { runs, stored: 0, not_done: 0, repeated: 0, is_running });
@@ -67,11 +69,16 @@ fn state_of(
         Err(source) => return Err(JournalError::Unreadable { path, source }),
     };
     let index = JournalIndex::read(&path, &file, plan, slice)?;
-    let (stored, not_done) = index.stored();
     for (&variant, failed) in index.failures() {
         add_failed(failures, variant, failed.clone());
     }
-    Ok(SliceState { runs: index.count(), stored, not_done, repeated: index.repeated(), is_running })
+    Ok(SliceState {
+        runs: index.count(),
+        stored: index.stored(),
+        not_done: index.not_done(),
+        repeated: index.repeated(),
+        is_running,
+    })
 }
 
 /// Returns the slices of which a folder has journals, all of one partition.

@@ -101,9 +101,11 @@ pub fn run_all(
     let mut recorded_again = 0;
     let mut stopped: Option<WallStopwatch> = None;
     loop {
+        // A timeout, so that the journal is synced and a stop is seen while long runs go on.
         match finished.recv_timeout(POLL) {
             Ok(message) => match message? {
                 Finished::Run { end, line } => {
+                    // Written before it is shown, so that what was reported is kept.
                     journal.add(end.run, end.status, &line)?;
                     on_run(end);
                 }
@@ -117,10 +119,12 @@ pub fn run_all(
             Err(RecvTimeoutError::Timeout) => journal.sync_if_due()?,
             Err(RecvTimeoutError::Disconnected) => break,
         }
+        // Workers end their runs by themselves; after a while those that do not are left behind.
         if work.stop.load(Ordering::Relaxed) && stopped.get_or_insert_with(WallStopwatch::start).elapsed() > GRACE {
             break;
         }
     }
+    // After a stop too: the runs in it are over.
     journal.sync()?;
     Ok(recorded_again)
 }
@@ -180,13 +184,16 @@ impl Work {
     fn run_one(&self, run: &PlannedRun<'_>) -> Option<(RunRow, Option<Timeline>)> {
         let stopwatch = WallStopwatch::start();
         let scenario = &run.variant.scenario;
+        // A panic is a row like a failure, so that one bad seed does not end a batch.
         let caught = panics::catch(|| {
             (self.run)(scenario, run.seed).map(|done| {
+                // Inside, as deriving the outcome may panic too.
                 let index = RunIndex::new(&done.timeline);
                 let detail = RunDetail::new(&index, &done.answer_cpu);
                 (index.into_outcome(), detail, done)
             })
         });
+        // After deriving the outcome, which takes part of a worker's time.
         let wall = stopwatch.elapsed();
         let not_done = |status, message| (RunRow::not_done(run.label(), status, message, wall), None);
         Some(match caught {
@@ -195,6 +202,7 @@ impl Work {
                 let row = RunRow::done(run.label(), result, wall);
                 (RunRow { detail, message: done.messages.to_string(), ..row }, Some(done.timeline))
             }
+            // A run that was stopped is not over: it is missing and will be run again.
             Ok(Err(RunError::Stopped)) => return None,
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
             Err(panic) => {

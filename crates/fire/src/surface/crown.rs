@@ -287,8 +287,14 @@ impl CrownConditions {
     }
 }
 
-/// Computes the fire of a cell at a time as it spreads, in the crowns too where there are trees, and its kind; `None` where
-/// nothing burns.
+/// A fire as it spreads, and its type.
+#[derive(Clone, Copy, Debug)]
+pub struct SpreadingFire {
+    pub fire: SurfaceFire,
+    pub fire_type: FireType,
+}
+
+/// Computes the fire of a cell at a time as it spreads, in the crowns too where there are trees; `None` where nothing burns.
 pub fn spreading_fire(
     landscape: &Landscape,
     weather: &Weather,
@@ -296,9 +302,10 @@ pub fn spreading_fire(
     crowns: Option<CrownRules>,
     cell: Cell,
     time: SimTime,
-) -> Option<(SurfaceFire, FireType)> {
+) -> Option<SpreadingFire> {
     let Some((rules, canopy)) = crowns.zip(landscape.canopy(cell)) else {
-        return Some((surface_fire(landscape, weather, options, cell, time)?, FireType::Surface));
+        let fire = surface_fire(landscape, weather, options, cell, time)?;
+        return Some(SpreadingFire { fire, fire_type: FireType::Surface });
     };
     let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
     let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
@@ -306,7 +313,7 @@ pub fn spreading_fire(
     let ten = model_10(moisture, options.curing);
     let gradient = landscape.gradient(cell);
     let fire = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules).burn();
-    Some((fire.spreading(rules.method), fire.fire_type()))
+    Some(SpreadingFire { fire: fire.spreading(rules.method), fire_type: fire.fire_type() })
 }
 
 /// How fast and how hot a fire is.

@@ -95,6 +95,7 @@ impl PnmHeader {
         let mut tuple_type = String::new();
         for at in 0.. {
             let mut line = Vec::new();
+            // Bounded, as a file that is none of this kind may have no line ends.
             source.by_ref().take(MAX_LINE).read_until(b'\n', &mut line)?;
             if !line.ends_with(b"\n") || at > MAX_HEADER_LINES {
                 return Err(bad_header("its header has no line ENDHDR"));
@@ -126,6 +127,7 @@ impl PnmHeader {
         let [rows, cols, depth, max] = numbers.map(Option::unwrap_or_default);
         let max = largest_value(max)?;
         check_size(rows as usize, cols as usize)?;
+        // Files without a type are read by their depth, as other programs do.
         let (kind, colour, has_alpha) = match (tuple_type.as_str(), depth) {
             ("BLACKANDWHITE", 1) => ("black and white", false, false),
             ("BLACKANDWHITE_ALPHA", 2) => ("black and white with alpha", false, true),

@@ -10,7 +10,7 @@ use crate::map_files::map::{MapFile, Reading};
 use crate::map_files::pictures::{self, PictureFormat};
 use crate::map_files::pixel::Transparency;
 use crate::map_files::raster::tiff_header;
-use crate::map_files::ros::{self, RosMap};
+use crate::map_files::ros::{self, OccupiedPixels, RosMap};
 use crate::map_files::rows::{Comments, without_mark};
 use crate::map_files::text::Separator;
 use crate::map_files::{Fault, MAX_BYTES, MapError, carried, moving_ai, npy, png, pnm, text, tiff_image};
@@ -90,7 +90,7 @@ fn read_ros_map(map: &RosMap, folder: &Path, reading: Reading) -> Result<MapFile
         FileContent::Ros(_) => Err("another YAML file"),
     };
     let image = found.map_err(|found| MapError { path, fault: Fault::NoImage { found } })?;
-    let (occupied, unknown) = map.occupied(&image, reading.inverted);
+    let OccupiedPixels { occupied, unknown } = map.occupied(&image, reading.inverted);
     let mut notes = image.notes;
     if unknown > 0 {
         notes.push(format!("cells that are neither free nor occupied count as occupied (cells: {unknown})"));
@@ -290,7 +290,8 @@ impl MapFormat {
         if let Some((_, found)) = FOREIGN.iter().find(|(signature, _)| start.starts_with(signature)) {
             return Err(Fault::Foreign { found });
         }
-        let (comments, first_line) = Comments::of_text(text);
+        let comments = Comments::of_text(text);
+        let first_line = comments.first_row(text);
         Ok(if start.starts_with(png::SIGNATURE) {
             Self::Png
         } else if tiff_header::is_start(start) {

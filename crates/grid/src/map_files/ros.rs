@@ -19,6 +19,13 @@ pub(super) const MAX_FILE: u64 = 1 << 16;
 /// The keys that say that a text is the YAML file of a map.
 const KEYS: [&str; 7] = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
 
+/// The pixels of an image that are not free.
+pub(super) struct OccupiedPixels {
+    pub occupied: Grid<bool>,
+    /// The number of those that are not occupied for certain: unknown, or between the two thresholds.
+    pub unknown: usize,
+}
+
 /// A map as its YAML file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RosMap {
@@ -113,9 +120,7 @@ impl RosMap {
     }
 
     /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
-    ///
-    /// Returns how many of them are not occupied for certain: unknown, or between the two thresholds.
-    pub fn occupied(&self, image: &GreyImage, inverted: bool) -> (Grid<bool>, usize) {
+    pub fn occupied(&self, image: &GreyImage, inverted: bool) -> OccupiedPixels {
         let GreyImage { grey, is_unknown, .. } = image;
         let states: Vec<Occupancy> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
         let is_unknown = |cell: usize| is_unknown.as_ref().is_some_and(|pixels| pixels.values()[cell]);
@@ -124,7 +129,7 @@ impl RosMap {
             cells.map(|(cell, &value)| if is_unknown(cell) { Occupancy::Unknown } else { states[usize::from(value)] });
         let unknown = cells.clone().filter(|&state| state == Occupancy::Unknown).count();
         let occupied = cells.map(|state| state != Occupancy::Free).collect();
-        (Grid::from_values(grey.rows(), grey.cols(), occupied), unknown)
+        OccupiedPixels { occupied: Grid::from_values(grey.rows(), grey.cols(), occupied), unknown }
     }
 
     fn state(&self, value: u8, inverted: bool) -> Occupancy {
@@ -211,6 +216,7 @@ impl YamlMembers {
                 Event::MappingStart(..) if depth == 0 => depth = 1,
                 Event::Scalar(word, ..) if depth == 1 && is_key => {
                     let line = span.start.line();
+                    // YAML forbids it, and readers differ in which of both they take.
                     if entries.iter().any(|entry| entry.key == word) {
                         let message = format!("`{}` stands twice; expected it once", visible_start(&word));
                         return Err(Fault::Line { line, message });
@@ -228,6 +234,7 @@ impl YamlMembers {
                             entry.parts.iter_mut().for_each(|parts| parts.push(word.to_string()));
                         }
                         Event::SequenceStart(..) if depth == 1 => entry.is_list = true,
+                        // What has parts of its own is no word; whether it matters is seen when the key is looked up.
                         _ => entry.parts = None,
                     }
                     depth += usize::from(opens);
@@ -268,7 +275,7 @@ mod tests {
     fn states(text: &str, values: [u8; 4]) -> ([bool; 4], usize) {
         let map = RosMap::parse(text).expect("a map");
         let image = GreyImage { grey: Grid::from_values(1, 4, values.to_vec()), is_unknown: None, notes: Vec::new() };
-        let (occupied, unknown) = map.occupied(&image, false);
+        let OccupiedPixels { occupied, unknown } = map.occupied(&image, false);
         (occupied.values().try_into().expect("four"), unknown)
     }
 

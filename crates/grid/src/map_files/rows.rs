@@ -127,16 +127,19 @@ impl Comments {
         }
     }
 
-    /// Returns the comments of a text, and its first row.
-    pub fn of_text(text: &[u8]) -> (Self, &[u8]) {
-        let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
-        let of_numbers = lines.clone().find(|line| !line.starts_with(b"#")).unwrap_or_default();
+    /// Returns the comments of a text.
+    pub fn of_text(text: &[u8]) -> Self {
+        let of_numbers = Self::Everywhere.first_row(text);
         if of_numbers.first().is_some_and(|&letter| letter.is_ascii_digit() || matches!(letter, b'+' | b'-')) {
-            return (Self::Everywhere, of_numbers);
+            return Self::Everywhere;
         }
-        let first = lines.clone().next().unwrap_or_default();
-        let comments = if Self::BeforeRows.has(first) { Self::BeforeRows } else { Self::None };
-        (comments, lines.find(|line| !comments.has(line)).unwrap_or_default())
+        if Self::BeforeRows.has(Self::None.first_row(text)) { Self::BeforeRows } else { Self::None }
+    }
+
+    /// Returns the first line of a text that is not such a comment.
+    pub fn first_row(self, text: &[u8]) -> &[u8] {
+        let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+        lines.find(|line| !self.has(line)).unwrap_or_default()
     }
 }
 

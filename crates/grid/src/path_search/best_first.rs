@@ -94,7 +94,8 @@ impl SearchOrder {
 /// If the map has more cells than 32 bits can number, or [`SearchOrder::check`] refuses the order.
 pub fn search_best_first(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     order: SearchOrder,
     connectivity: Connectivity,
     corners: CornerCutting,
@@ -121,6 +122,7 @@ pub fn search_best_first(
         |index, _| weight * heuristic.estimate(place_of(occupied, index), goal),
     );
 
+    // Counted in straight and diagonal steps: sums of roots would differ by rounding between paths of one length.
     let mut lengths = Grid::filled(occupied.rows(), occupied.cols(), UNSEEN);
     lengths[start] = START_LENGTH;
     let mut touched = 0;

@@ -7,10 +7,8 @@
 use super::{PathSearch, index_of, place_of};
 use crate::octile::{START_LENGTH, StepLength, UNSEEN, by_way_of, length_from_start, metric};
 use crate::open_list::{OpenList, Ranked};
-use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder, place};
-
-/// A step as (row, column).
-type Direction = (isize, isize);
+use crate::place::{self, Direction};
+use crate::{BadPlace, Connectivity, CornerCutting, Grid, Place, Route, TieOrder};
 
 struct OpenJump {
     priority: f64,
@@ -43,7 +41,8 @@ impl Ranked for OpenJump {
 /// If the map has more cells than 32 bits can number.
 pub fn jump_point_search(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     corners: CornerCutting,
 ) -> Result<PathSearch, BadPlace> {
     if !place::check_ends(occupied, start, goal)? {
@@ -79,6 +78,7 @@ pub fn jump_point_search(
         for towards in followed(occupied, here, arrival, corners) {
             let Some(to) = jumps.jump(here, towards).filter(|&to| !closed[to]) else { continue };
             let length = by_way_of(here, lengths[here], to);
+            // Strictly shorter, so that of equal paths the first found stays.
             if lengths[to] == UNSEEN || metric(length) < metric(lengths[to]) {
                 lengths[to] = length;
                 parents[to] = index;

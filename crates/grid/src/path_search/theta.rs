@@ -49,7 +49,8 @@ impl Ranked for OpenCell {
 /// If the map has more cells than 32 bits can number.
 pub fn theta_star(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     corners: CornerCutting,
 ) -> Result<PathSearch, BadPlace> {
     if !place::check_ends(occupied, start, goal)? {

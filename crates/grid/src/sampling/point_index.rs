@@ -66,8 +66,7 @@ impl PointIndex {
 
     /// Square of the distance within which all points lie in the rings up to this one.
     fn room_around(&self, point: GridPoint, ring: usize) -> i64 {
-        let (row, col) = point.units();
-        let within = [row, col].map(|units| units.rem_euclid(self.side));
+        let within = [point.row, point.col].map(|units| units.rem_euclid(self.side));
         let min = within.map(|units| units.min(self.side - units)).into_iter().min().unwrap_or(0);
         let room = min + ring as i64 * self.side;
         room * room
@@ -96,8 +95,7 @@ impl PointIndex {
     }
 
     fn square_of(&self, point: GridPoint) -> (usize, usize) {
-        let (row, col) = point.units();
-        ((row / self.side) as usize, (col / self.side) as usize)
+        ((point.row / self.side) as usize, (point.col / self.side) as usize)
     }
 }
 

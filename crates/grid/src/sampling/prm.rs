@@ -44,7 +44,8 @@ impl PrmSettings {
 /// If [`PrmSettings::check`] refuses the settings.
 pub fn probabilistic_roadmap(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     settings: &PrmSettings,
 ) -> Result<PointGraph, BadPlace> {
     settings.check().expect("the settings were checked");

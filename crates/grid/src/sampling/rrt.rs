@@ -64,7 +64,8 @@ impl RrtSettings {
 /// If [`RrtSettings::check`] refuses the settings.
 pub fn grow_tree(
     occupied: &Grid<bool>,
-    (start, goal): (Place, Place),
+    start: Place,
+    goal: Place,
     kind: TreeKind,
     settings: &RrtSettings,
 ) -> Result<PointGraph, BadPlace> {
@@ -82,6 +83,7 @@ pub fn grow_tree(
     // Points from which the goal is one step.
     let mut gates: Vec<u32> = tree.is_step(start, goal, settings.step).then_some(0).into_iter().collect();
     let mut samples = 0;
+    // A plain tree is done with the first path; RRT* gets better with every sample.
     while samples < settings.samples && (kind == TreeKind::RrtStar || gates.is_empty()) {
         samples += 1;
         // Both draws are made always, so that a bias does not shift the points that follow.
@@ -91,6 +93,7 @@ pub fn grow_tree(
         let nearest = index.nearest(aim).expect("the start is there");
         let from = tree.points[nearest as usize];
         let point = steered(from, aim, settings.step);
+        // Samples that are lost count too: the number of samples bounds the work.
         if point == from || !is_free_segment(occupied, from, point, CORNERS) {
             continue;
         }
@@ -116,9 +119,8 @@ fn steered(from: GridPoint, aim: GridPoint, step: f64) -> GridPoint {
     if distance <= step {
         return aim;
     }
-    let (from, aim) = (from.units(), aim.units());
     let along = |from: i64, aim: i64| from + ((aim - from) as f64 * (step / distance)).round() as i64;
-    GridPoint::from_units(along(from.0, aim.0), along(from.1, aim.1))
+    GridPoint::from_units(along(from.row, aim.row), along(from.col, aim.col))
 }
 
 struct SearchTree<'a> {

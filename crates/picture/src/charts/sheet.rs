@@ -129,7 +129,7 @@ pub fn sheets<'a, T>(panels: &'a [T], name: impl Fn(&T) -> &str + 'a, max: usize
 }
 
 /// The entries of a key for series of several panels, each once.
-pub fn distinct<'a>(series: impl Iterator<Item = (Style, &'a str)>) -> Vec<(Style, &'a str)> {
+pub fn distinct<T: PartialEq>(series: impl Iterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for entry in series {
         if !found.contains(&entry) {

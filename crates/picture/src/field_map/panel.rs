@@ -175,7 +175,7 @@ impl<'a> Panel<'a> {
         }
         for (at, label, colour) in labels {
             let halo = if colour == PAPER { INK } else { PAPER };
-            draw_text_on(canvas, label, at, Align::Centre, TEXT * self.unit, (colour, halo));
+            draw_text_on(canvas, label, at, Align::Centre, TEXT * self.unit, colour, halo);
         }
     }
 

@@ -135,7 +135,7 @@ fn whole(value: f32) -> i32 {
 }
 
 /// The text, or as much of it as fits into a width, with dots for the rest.
-pub fn fitted(text: &str, (height, weight): (f32, Weight), width: f32) -> String {
+pub fn fitted(text: &str, height: f32, weight: Weight, width: f32) -> String {
     if measure_weighted(text, height, weight) <= width {
         return text.to_owned();
     }
@@ -188,16 +188,16 @@ mod tests {
 
     #[test]
     fn long_text_is_cut_to_fit() {
-        assert_eq!(fitted("contest", PLAIN, 500.0), "contest");
-        let short = fitted("a scenario with a rather long name", PLAIN, 100.0);
+        assert_eq!(fitted("contest", PLAIN.0, PLAIN.1, 500.0), "contest");
+        let short = fitted("a scenario with a rather long name", PLAIN.0, PLAIN.1, 100.0);
         assert!(short.starts_with("a scen") && short.ends_with("..."), "{short}");
         assert!(measure_text(&short, 10.0) <= 100.0);
         let endless = "Wumpus".repeat(700);
-        let kept = fitted(&endless, PLAIN, 100.0).len() - "...".len();
+        let kept = fitted(&endless, PLAIN.0, PLAIN.1, 100.0).len() - "...".len();
         assert!(
             measure_text(&format!("{}...", &endless[..=kept]), 10.0) > 100.0,
             "there was room for more than {kept}"
         );
-        assert_eq!(fitted(&endless, PLAIN, 1.0), "...");
+        assert_eq!(fitted(&endless, PLAIN.0, PLAIN.1, 1.0), "...");
     }
 }

@@ -95,9 +95,9 @@ impl Changed {
     /// The smallest part that holds all that differs between two frames; one pixel where nothing does, since a frame
     /// has pixels.
     fn between(shown: &[u8], next: &[u8], width: usize) -> Self {
-        let rows = || shown.chunks_exact(width).zip(next.chunks_exact(width)).enumerate();
+        let rows = shown.chunks_exact(width).zip(next.chunks_exact(width)).enumerate();
         let mut changed = None::<Self>;
-        for (row, (before, after)) in rows().filter(|(_, (before, after))| before != after) {
+        for (row, (before, after)) in rows.filter(|(_, (before, after))| before != after) {
             let differs = |col: &usize| before[*col] != after[*col];
             let first = (0..width).find(differs).expect("the rows differ");
             let last = (0..width).rfind(differs).expect("the rows differ");

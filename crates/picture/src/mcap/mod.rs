@@ -28,7 +28,9 @@ use scene::CellGrid;
 use wildfire_base::query::SearchPhase;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::export::{ExportError, ExportedChange, Sampling, cell_changes, event_text, ground_event_text};
+use wildfire_timeline::export::{
+    EventText, ExportError, ExportedChange, Sampling, cell_changes, event_text, ground_event_text,
+};
 use wildfire_timeline::{AgentFact, AgentId, AgentState, Event, Fact, FollowedLeg, GroundEvent, RunIndex, Timeline};
 
 /// The most cells of a field whose states are written.
@@ -185,7 +187,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
             McapMoment::Cells(changes) => self.write_cells(time, changes),
             McapMoment::Event(event) => self.write_event(event),
             McapMoment::GroundEvent(event) => {
-                let (name, detail) = ground_event_text(event);
+                let EventText { name, detail } = ground_event_text(event);
                 let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
                 self.log(time, agent, &[name, &event.cell.to_string(), &detail])
             }
@@ -224,7 +226,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
         {
             self.message(channel, event.time, &scene::search(event.time, format!("{id}/{phase}"), graph))?;
         }
-        let (name, detail) = event_text(&event.fact);
+        let EventText { name, detail } = event_text(&event.fact);
         let cell = event.fact.cell().map_or_else(String::new, |cell| cell.to_string());
         self.log(event.time, agent.map_or_else(String::new, |agent| agent.to_string()), &[name, &cell, &detail])
     }

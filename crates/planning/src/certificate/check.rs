@@ -54,6 +54,7 @@ impl Certificate {
         self.check_numbers()?;
         let [start, goal] = [self.start, self.goal].map(|[x, y, heading]| Pose::new(x, y, heading));
         let curves = ReedsShepp { radius_m: checker.body().turning_radius_m };
+        // The curve alone proves the bound: no cut is needed.
         if curves.length_m(start, goal) >= self.bound_m + SURE_M {
             return Ok(());
         }
@@ -64,11 +65,14 @@ impl Certificate {
         let places = [self.start, self.goal].map(|[x, y, _]| DVec2::new(x, y));
         let mut corners: Vec<(DVec2, [f64; 2])> =
             self.corners.iter().map(|&[x, y, near, far]| (DVec2::new(x, y), [near, far])).collect();
+        // A string bends at corners only, so a list that lacks one proves nothing.
         for centre in &bushes.centres {
             for corner in bushes.outline(*centre, bushes.radius_m) {
                 let straight_m = corner.distance(places[0]) + corner.distance(places[1]);
-                let is_listed = || corners.iter().any(|(other, _)| other.distance_squared(corner) < SAME_M * SAME_M);
-                if straight_m < self.bound_m && !bushes.shuts_out(corner, bushes.radius_m) && !is_listed() {
+                if straight_m < self.bound_m
+                    && !bushes.shuts_out(corner, bushes.radius_m)
+                    && !corners.iter().any(|(listed, _)| listed.distance_squared(corner) < SAME_M * SAME_M)
+                {
                     return Err(BadCertificate::MissingCorner(corner));
                 }
             }
@@ -77,6 +81,7 @@ impl Certificate {
             // Only this end has a length from itself.
             let mut lengths: Vec<(DVec2, f64)> = corners.iter().map(|(at, lengths)| (*at, lengths[end])).collect();
             lengths.push((places[end], 0.0));
+            // Lengths need not be exact: if none rises faster than the distance between two, they are bounds.
             for (index, &(one, one_m)) in lengths.iter().enumerate() {
                 for &(other, other_m) in &lengths[..index] {
                     let distance_m = one.distance(other);
@@ -123,6 +128,7 @@ impl Certificate {
         let outermost = (0.5 * self.bound_m / self.step_m).ceil() as i64 + 1;
         // What a pose anywhere in the box may be off its middle: see the head of the module above.
         let shrunk_m = bushes.radius_m - 1.3 * half_m;
+        // Every path crosses the cut somewhere, so every position on it must be too far.
         for number in -outermost..=outermost {
             let at = start.position() + line * self.cut + line.perp().normalize() * (number as f64 * self.step_m);
             if bushes.shuts_out(at, shrunk_m) {
@@ -154,6 +160,7 @@ fn bound_in(
     (turning_radius_m, half_m): (f64, f64),
     needed_m: f64,
 ) -> f64 {
+    // The strings alone are quick, and most positions are far enough by them.
     let taut_m = parts[0].1 + parts[1].1;
     if taut_m >= needed_m {
         return needed_m;
@@ -161,6 +168,7 @@ fn bound_in(
     let bound_m: f64 = parts
         .iter()
         .map(|&(end, taut_m)| {
+            // What the heading may differ for a pose elsewhere in the box.
             let skew = half_m / (end.position().distance(at) - half_m);
             let radius_m = turning_radius_m - turning_radius_m * skew;
             let curve_m = ReedsShepp { radius_m }.length_m(end, Pose::new(at.x, at.y, heading));
@@ -170,6 +178,7 @@ fn bound_in(
     if bound_m >= needed_m {
         return needed_m;
     }
+    // Halving headings must end, also where the claim is false.
     if half < NARROWEST {
         return bound_m;
     }
@@ -232,6 +241,7 @@ impl GrownBushes {
         let high = one.max(other) + reach;
         let line = other - one;
         self.centres.iter().any(|&centre| {
+            // Two cheap tests come before the outline of sixteen corners.
             if centre.x < low.x || centre.y < low.y || centre.x > high.x || centre.y > high.y {
                 return false;
             }

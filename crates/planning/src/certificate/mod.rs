@@ -80,25 +80,21 @@ impl Certificate {
     ///
     /// Without a cut it says how long the Reeds-Shepp curve is: where that is more, the poses are too close together for a
     /// cut, or corners are too many.
-    pub fn new(checker: &CollisionChecker, ends: (Pose, Pose), clearance_m: f64, reach_m: f64) -> Option<Self> {
-        let curve_m = ReedsShepp { radius_m: checker.body().turning_radius_m }.length_m(ends.0, ends.1);
-        let cut = Self::with_cut(checker, ends, clearance_m, reach_m);
-        let [start, goal] = [ends.0, ends.1].map(|pose| [pose.x, pose.y, pose.heading]);
+    pub fn new(checker: &CollisionChecker, start: Pose, goal: Pose, clearance_m: f64, reach_m: f64) -> Option<Self> {
+        let curve_m = ReedsShepp { radius_m: checker.body().turning_radius_m }.length_m(start, goal);
+        let cut = Self::with_cut(checker, start, goal, clearance_m, reach_m);
+        let [start, goal] = [start, goal].map(|pose| [pose.x, pose.y, pose.heading]);
         let bound_m = curve_m - ROUNDING_M;
         let step_m = STEPS_M[1].max(bound_m / MAX_POSITIONS);
         let without = Self { start, goal, clearance_m, bound_m, cut: 0.5, step_m, corners: Vec::new() };
         cut.filter(|cut| cut.bound_m > bound_m).or_else(|| (bound_m > 0.0).then_some(without))
     }
 
-    fn with_cut(
-        checker: &CollisionChecker,
-        (start, goal): (Pose, Pose),
-        clearance_m: f64,
-        reach_m: f64,
-    ) -> Option<Self> {
+    fn with_cut(checker: &CollisionChecker, start: Pose, goal: Pose, clearance_m: f64, reach_m: f64) -> Option<Self> {
         let terrain = GrownTerrain::new(checker, clearance_m);
         let (from, to) = (start.position(), goal.position());
         let span_m = from.distance(to);
+        // Long reaches have longer steps, so that the number of positions stays bounded.
         let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MAX_POSITIONS));
         let is_meant = reach_m.is_finite() && reach_m > span_m && clearance_m >= 0.0;
         let min_gap_m = MIN_GAP_M.max(7.0 * steps_m[0]);
@@ -118,9 +114,11 @@ impl Certificate {
             let cut = Cut { terrain: &terrain, ends: &ends, curves, step_m };
             cut.bound_m(from.lerp(to, share), (to - from).perp() / span_m, reach_m)
         };
+        // Which cut is best shows coarsely; only that one is computed finely.
         let coarse = CUTS.map(|share| (share, bound(share, steps_m[0])));
         let (cut, _) = coarse.into_iter().max_by(|one, other| one.1.total_cmp(&other.1))?;
         let step_m = steps_m[1];
+        // The checker adds up in another order.
         let bound_m = bound(cut, step_m) - ROUNDING_M;
         let listed = corners.iter().enumerate();
         let corners = listed.map(|(k, at)| [at.x, at.y, ends[0].lengths_m[k], ends[1].lengths_m[k]]).collect();
@@ -171,6 +169,7 @@ impl GrownTerrain {
         let reach = DVec2::splat(self.half_cell_m + self.radius_m);
         let low = from.min(to) - reach;
         let high = from.max(to) + reach;
+        // Boxes first, and then the distance from the line, before any polygon is clipped.
         let near = self.centres.iter().filter(|centre| centre.cmpge(low).all() && centre.cmple(high).all());
         near.filter(|&&centre| along.perp_dot(centre - from).abs() <= 1.5 * reach.x * along.length() + 1e-9).any(
             |&centre| {
@@ -218,6 +217,7 @@ impl GrownTerrain {
     /// than `reach_m`; elsewhere the least that this takes.
     fn taut_lengths_m(&self, corners: &[DVec2], (from, other): (DVec2, DVec2), reach_m: f64) -> Vec<f64> {
         let polygon = self.polygon(self.radius_m - 2.0 * SHRUNK_M);
+        // No corner counts that a path within reach cannot pass.
         let mut lengths_m: Vec<f64> = corners.iter().map(|corner| reach_m - corner.distance(other)).collect();
         let mut open: Vec<usize> = (0..corners.len()).collect();
         let (mut at, mut length_m) = (from, 0.0);
@@ -228,6 +228,7 @@ impl GrownTerrain {
                     lengths_m[index] = through_m;
                 }
             }
+            // Dijkstra's search over all pairs, whose edges are tested only when they could shorten something.
             let next = (0..open.len()).min_by(|&one, &two| lengths_m[open[one]].total_cmp(&lengths_m[open[two]]));
             let Some(next) = next else { return lengths_m };
             let index = open.swap_remove(next);
@@ -273,6 +274,7 @@ impl Cut<'_> {
                 crossings.push((lengths, at));
             }
         }
+        // The shortest first, so that most of the rest are cut off by the bound.
         crossings.sort_by(|(one, _), (two, _)| (one[0] + one[1]).total_cmp(&(two[0] + two[1])));
         crossings.into_iter().fold(reach_m, |min_m, (lengths, at)| self.min_at(lengths, at, min_m))
     }
@@ -298,6 +300,7 @@ impl Cut<'_> {
         while let Some((heading, half)) = open.pop() {
             let pose = Pose::new(at.x, at.y, heading);
             let sum_m: f64 = (0..2).map(|end| lengths[end].max(self.curve_m(self.ends[end].pose, pose, half))).sum();
+            // This range of headings has no shorter path.
             if sum_m >= min_m {
                 continue;
             }
@@ -350,15 +353,13 @@ mod tests {
                 for &goal in &goals {
                     let Ok(path) = planner.plan(field.start, Goal::Pose(goal)).path else { continue };
                     let clearance_m = (least_clearance(&field.checker, &path) - 0.01).clamp(0.0, 1.0);
-                    let ends = (field.start, goal);
                     let length_m = path.length_m();
-                    let Some(certificate) = Certificate::new(&field.checker, ends, clearance_m, length_m + 1.0) else {
-                        continue;
-                    };
+                    let found = Certificate::new(&field.checker, field.start, goal, clearance_m, length_m + 1.0);
+                    let Some(certificate) = found else { continue };
                     assert_eq!(certificate.check(&field.checker), Ok(()), "{kind}, field {seed}, {goal:?}");
                     assert!(certificate.bound_m <= length_m, "{kind}, field {seed}, {goal:?}");
                     certified += 1;
-                    better += u32::from(certificate.bound_m > curve_m(ends.0, ends.1));
+                    better += u32::from(certificate.bound_m > curve_m(field.start, goal));
                 }
             }
         }
@@ -371,13 +372,13 @@ mod tests {
         for (heading, goal) in [(0.0, Pose::new(80.0, 50.0, 0.0)), (2.0, Pose::new(70.0, 80.0, -1.0))] {
             let start = Pose::new(20.0, 50.0, heading);
             let length_m = curve_m(start, goal);
-            let certificate = Certificate::new(&open.checker, (start, goal), 0.3, length_m + 5.0).unwrap();
+            let certificate = Certificate::new(&open.checker, start, goal, 0.3, length_m + 5.0).unwrap();
             assert_eq!(certificate.check(&open.checker), Ok(()));
             let gap_m = length_m - certificate.bound_m;
             assert!((0.0..0.01 * length_m).contains(&gap_m), "{length_m} m, {gap_m} m");
         }
         let (field, ends) = walled();
-        let certificate = Certificate::new(&field.checker, ends, 0.3, 100.0).unwrap();
+        let certificate = Certificate::new(&field.checker, ends.0, ends.1, 0.3, 100.0).unwrap();
         assert_eq!(certificate.check(&field.checker), Ok(()));
         // Round the wall's end at (52.5, 25): twice the hypotenuse of about 32 and 26 m, with the turns more.
         assert!(certificate.bound_m > 80.0, "{} m", certificate.bound_m);
@@ -386,7 +387,7 @@ mod tests {
     #[test]
     fn a_certificate_that_was_changed_is_refused() {
         let (field, ends) = walled();
-        let certificate = Certificate::new(&field.checker, ends, 0.3, 100.0).unwrap();
+        let certificate = Certificate::new(&field.checker, ends.0, ends.1, 0.3, 100.0).unwrap();
         let refused = |change: &dyn Fn(&mut Certificate)| {
             let mut changed = certificate.clone();
             change(&mut changed);

@@ -59,6 +59,13 @@ pub enum Obstacle {
     Body,
 }
 
+/// The nearest obstacle, and its distance from the body.
+#[derive(Clone, Copy, Debug)]
+pub struct NearestObstacle {
+    pub obstacle: Obstacle,
+    pub gap_m: f64,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Disc {
     /// From the body's centre forward to the disc's centre.
@@ -89,10 +96,9 @@ impl CollisionChecker {
         crowded
     }
 
-    /// Returns a checker with a counter of the clearance queries to it and its clones.
-    pub fn counting(&self) -> (Self, Arc<AtomicU64>) {
-        let calls = Arc::default();
-        (Self { calls: Some(Arc::clone(&calls)), ..self.clone() }, calls)
+    /// Returns a checker that counts the clearance queries to it and its clones.
+    pub fn counting(&self, calls: &Arc<AtomicU64>) -> Self {
+        Self { calls: Some(Arc::clone(calls)), ..self.clone() }
     }
 
     #[inline]
@@ -183,9 +189,9 @@ impl CollisionChecker {
         Some(if prefix < motion.length_m { prefix } else { refused.unwrap_or(prefix) })
     }
 
-    /// Returns the obstacle nearest to the body and its distance in metres; not positive on contact. Beyond the reach
+    /// Returns the obstacle nearest to the body; its distance is not positive on contact. Beyond the reach
     /// of exact distances it is the border.
-    pub fn nearest_obstacle(&self, pose: Pose) -> (Obstacle, f64) {
+    pub fn nearest_obstacle(&self, pose: Pose) -> NearestObstacle {
         self.count_call();
         let rectangle = self.place(pose);
         let frame = self.field.frame();
@@ -194,11 +200,13 @@ impl CollisionChecker {
         let bushes = near.filter_map(|centre| {
             let squared = rectangle.squared_gap_to_square(centre, half_cell, EXACT_REACH_M * EXACT_REACH_M);
             let is_near = squared < EXACT_REACH_M * EXACT_REACH_M;
-            is_near.then_some((Obstacle::Bush(frame.cell_at(centre)?), squared.sqrt()))
+            let obstacle = Obstacle::Bush(frame.cell_at(centre)?);
+            is_near.then_some(NearestObstacle { obstacle, gap_m: squared.sqrt() })
         });
-        let bodies = self.obstacles.iter().map(|other| (Obstacle::Body, rectangle.gap_to(other)));
-        let border = (Obstacle::Border, rectangle.border_gap(frame));
-        bodies.chain(bushes).fold(border, |nearest, other| if other.1 < nearest.1 { other } else { nearest })
+        let bodies = self.obstacles.iter();
+        let bodies = bodies.map(|other| NearestObstacle { obstacle: Obstacle::Body, gap_m: rectangle.gap_to(other) });
+        let border = NearestObstacle { obstacle: Obstacle::Border, gap_m: rectangle.border_gap(frame) };
+        bodies.chain(bushes).fold(border, |nearest, other| if other.gap_m < nearest.gap_m { other } else { nearest })
     }
 
     fn clearance_and_tolerance(&self, min_clearance: f64) -> (f64, f64) {
@@ -225,6 +233,7 @@ impl CollisionChecker {
     #[inline]
     fn clearance_from(&self, rectangle: &Rectangle, min_clearance: f64) -> Option<f64> {
         let border = self.border_gap(rectangle);
+        // From cheap to costly: the border, discs on the lattice of distances, and bushes one by one.
         if border < min_clearance {
             return None;
         }
@@ -237,6 +246,7 @@ impl CollisionChecker {
             min_squared = min_squared.min(bound.min_squared());
         }
         let cover = min_squared.max(0.0).sqrt() - self.cover_radius;
+        // Discs cover the body, so they underestimate: enough by them is enough.
         if cover >= min_clearance + AMPLE_M {
             return Some(cover.min(border));
         }

@@ -58,7 +58,7 @@ pub fn first_conflict(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime,
 
 /// Returns the distance in metres between two standing bodies, as [`first_conflict`] computes it; negative where they
 /// overlap.
-pub fn gap_between((one, at): (&Dimensions, Pose), (other, other_at): (&Dimensions, Pose)) -> f64 {
+pub fn gap_between(one: &Dimensions, at: Pose, other: &Dimensions, other_at: Pose) -> f64 {
     rectangle(one, at).gap_to(&rectangle(other, other_at))
 }
 
@@ -95,6 +95,7 @@ impl Rectangle {
         let offset = other.centre - self.centre;
         let radii = self.radius() + other.radius();
         let between = offset.length() - radii;
+        // Far apart the circles around both are close enough, and cost no projection.
         if between > radii {
             return between;
         }
@@ -164,9 +165,9 @@ mod tests {
         for _ in 0..20_000 {
             let at = random_pose(&mut rng, 20.0);
             let other_at = random_pose(&mut rng, 20.0);
-            let gap = gap_between((&large, at), (&small, other_at));
+            let gap = gap_between(&large, at, &small, other_at);
             let distance = distance((&large, at), (&small, other_at));
-            assert_eq!(gap, gap_between((&small, other_at), (&large, at)));
+            assert_eq!(gap, gap_between(&small, other_at, &large, at));
             assert!(gap <= distance + 1e-9, "{gap} m instead of {distance} m");
             let radii = rectangle(&large, at).radius() + rectangle(&small, other_at).radius();
             let factor = if gap > radii { 2.0 } else { std::f64::consts::SQRT_2 };

@@ -210,6 +210,7 @@ impl ClearanceField {
                 }
             }
         }
+        // Rounded down, as callers rely on it as a lower bound.
         let distance_m = min_m2.sqrt() * (1.0 - ROUNDED_DOWN);
         let min_m2 = distance_m * distance_m;
         if is_exact {
@@ -223,6 +224,7 @@ impl ClearanceField {
     fn read_lattice(&self, point: DVec2) -> Interpolated {
         let x = point.x * self.steps_per_m;
         let y = point.y * self.steps_per_m;
+        // A point on the last line belongs to the last cell.
         let col = (x as usize).min(self.lattice.cols() - 2);
         let row = (y as usize).min(self.lattice.rows() - 2);
         let (t, u) = (x - col as f64, y - row as f64);

@@ -13,7 +13,7 @@ mod field;
 mod rectangle;
 mod sweep;
 
-pub use checker::{CollisionChecker, MIN_CLEARANCE_M, MOTION_TOLERANCE_M, Obstacle};
+pub use checker::{CollisionChecker, MIN_CLEARANCE_M, MOTION_TOLERANCE_M, NearestObstacle, Obstacle};
 pub use conflict::{CONFLICT_TOLERANCE_M, MovingBody, first_conflict, gap_between};
 pub use field::ClearanceField;
 pub(crate) use rectangle::Rectangle;

@@ -68,6 +68,7 @@ impl Rectangle {
         let body_gap = (u.abs() - self.half_length).max(v.abs() - self.half_width) - diagonal;
         let world_gap = (offset.abs() - self.half_box()).max_element() - half_side;
         let separation = body_gap.max(world_gap);
+        // By the axes of both shapes no line separates them: they overlap.
         if separation <= 0.0 {
             return 0.0;
         }
@@ -76,6 +77,7 @@ impl Rectangle {
         }
         let mut min = limit;
         let half = DVec2::new(self.half_length, self.half_width);
+        // The nearest points of two rectangles apart include a corner of one of them.
         for (along, across) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {
             let corner = self.axis * (along * half.x) + self.axis.perp() * (across * half.y);
             min = min.min(((corner - offset).abs() - half_side).max(DVec2::ZERO).length_squared());

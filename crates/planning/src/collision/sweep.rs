@@ -41,11 +41,13 @@ pub(super) fn proven_prefix(
     if !length_m.is_finite() {
         return place;
     }
+    // Each proof covers as much of the way as its room allows at the fastest point's rate.
     while let Some(room) = excess(place) {
         let next = place + (room + tolerance) / rate;
         if next >= length_m {
             return length_m;
         }
+        // Room below the numbers' resolution would go on forever.
         if next <= place {
             break;
         }

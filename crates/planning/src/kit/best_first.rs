@@ -231,6 +231,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         self.closed.clear();
         self.sequence = 0;
         self.expansions = 0;
+        // An uninformed search may come back to its start, so the start does not take its bin.
         for pose in starts {
             if P::IS_UNINFORMED || self.closed.improve(pose, false, 0.0) {
                 self.keep(space, Node::start(pose, mark));
@@ -248,6 +249,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         limit: u32,
     ) -> Result<Path, SearchFailure> {
         while let Some(best) = self.open.pop() {
+            // Memory is asked for before the step, which could otherwise exceed it; a refusal ends like a spent budget.
             if !space.has_room(self) {
                 return Err(SearchFailure::BudgetSpent);
             }
@@ -260,6 +262,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                     None
                 }
                 Step::Expand if self.expansions == limit => {
+                    // The step goes back, so that a resumed search expands this node first.
                     self.open.push(best);
                     return Err(SearchFailure::BudgetSpent);
                 }
@@ -356,12 +359,14 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         let analytic = space.estimate(&mut node);
         let Node { cost, cost_to_go, .. } = node;
         let index = self.add(node);
+        // Without an estimate each expansion would be popped at once: offering it here saves a push and a pop.
         if P::IS_UNINFORMED {
             let step = Step::Expand;
             space.offer_successors(self, Candidate { key: cost, cost, sequence: self.sequence, node: index, step });
             return;
         }
         if let Some(analytic) = analytic {
+            // It waits like everything else: a sweep of a curve that costs more than another way would be wasted.
             self.push(cost + space.weight() * analytic, cost, index, Step::Arrive);
         }
         // A pose from which the heuristic knows no way is no use.
@@ -385,6 +390,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
             return None;
         }
         let (parent, cost) = (from.node, from.cost);
+        // The parent's mark goes along; `estimate` replaces it where the space has one of its own.
         self.reach(space, Node { pose, parent, motion, reverse: Some(reverse), cost, cost_to_go: 0.0, mark })
     }
 
@@ -392,6 +398,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     fn arrive<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, index: u32) -> Option<Path> {
         let expansion = space.analytic_expansion(self.node(index));
         let mut pose = self.node(index).pose;
+        // Segments are swept in order, as each begins where the last one ended; the first collision ends it.
         let is_free = expansion.segments().all(|segment| {
             let from = pose;
             pose = segment.end(from);

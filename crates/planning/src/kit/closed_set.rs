@@ -56,12 +56,14 @@ impl ClosedSet {
 
     /// Records a cost for the bin of a pose, unless the bin has one at least as good.
     pub fn improve(&mut self, pose: Pose, reverse: bool, cost: f64) -> bool {
+        // Half full at most, so that probes stay short.
         if 2 * self.used >= self.slots.len() {
             self.grow();
         }
         let key = self.key(pose, reverse);
         let slot = find(&self.slots, self.generation, key);
         let slot = &mut self.slots[slot];
+        // Left by an earlier search: nothing is cleared between searches.
         if slot.generation != self.generation {
             *slot = Slot { key, cost, generation: self.generation };
             self.used += 1;

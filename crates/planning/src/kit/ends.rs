@@ -75,6 +75,7 @@ pub fn free_poses_in(
             disc.centre + DVec2::new(cos, sin) * (reach * f64::from(ring) / f64::from(rings.max(1)))
         })
     });
+    // One look at the field rules out all headings of a place.
     let roomy = places.filter(|&centre| checker.field().lower_bound(centre) >= 0.5 * checker.body().width_m);
     let poses = roomy.flat_map(move |centre| {
         (0..HEADINGS).map(move |k| {

@@ -65,6 +65,7 @@ impl PoseHeuristic {
             Target::Discs(discs) => {
                 let centre = self.body.body_centre(pose);
                 let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
+                // The nearest by the straight line first: its value rules out most of the others.
                 let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
                 let nearest = nearest.expect("there is a disc");
                 let mut best = self.disc_value(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));

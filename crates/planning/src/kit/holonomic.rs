@@ -141,11 +141,13 @@ impl HolonomicHeuristic {
     /// Resets the search and begins at the target; the drive comes from `start`.
     pub fn begin(&mut self, field: &ClearanceField, target: Target<'_>, start: DVec2) {
         let [cols, rows] = tiles_along(field.frame());
+        // A search over a whole field would hold on to its memory for good.
         if self.directory.len() != cols * rows || self.met.len() > KEPT_TILES {
             *self = Self::holding(self.memory.beside());
             self.directory = vec![NO_PAGE; cols * rows];
             self.tile_cols = cols;
         }
+        // Only tiles that were used are reset.
         for tile in self.met.drain(..) {
             self.directory[tile as usize] = NO_PAGE;
         }
@@ -158,6 +160,7 @@ impl HolonomicHeuristic {
         for place in target_cells(field, target) {
             self.goal_cells.push((GOAL_COST + place.walk_cost(self.target), place));
         }
+        // Descending, so that the next one is taken off the end.
         self.goal_cells.sort_unstable_by(|a, b| b.cmp(a));
         for number in 0..self.goal_cells.len() {
             let slot = self.slot(field, self.goal_cells[number].1);
@@ -187,6 +190,7 @@ impl HolonomicHeuristic {
             if cost == SHUT || self.is_short {
                 return None;
             }
+            // Settled, as every cheaper way would have a smaller key.
             if cost != UNREACHED && (cost + estimate <= self.settled || cost == GOAL_COST) {
                 return Some(cost - GOAL_COST);
             }
@@ -254,6 +258,7 @@ impl HolonomicHeuristic {
     /// Shuts all cells to which walks lead from an unreached one, if these are few and none of them was reached.
     fn shut_pocket(&mut self, field: &ClearanceField, place: CellOrBorder) {
         let first = self.slot(field, place);
+        // Marked apart, so that a pocket that turns out open can be set back.
         self.costs[first] = IN_QUESTION;
         let mut found = vec![place];
         let mut mark = SHUT;
@@ -301,6 +306,7 @@ impl HolonomicHeuristic {
     fn open_tile(&mut self, field: &ClearanceField, tile: usize) -> usize {
         // Every cell may wait in the buckets besides.
         let bytes = 3 * self.costs.bytes_after(TILE * TILE) + self.directory.bytes_after(0) + self.met.bytes_after(1);
+        // Once refused it stays so: a heuristic with gaps would mislead the search.
         if self.is_short || !self.memory.cover(bytes) {
             self.is_short = true;
             return NO_PAGE as usize;

@@ -98,7 +98,8 @@ impl MilestoneTiles {
     pub fn within(
         &mut self,
         milestones: &mut impl SampleSink,
-        (place, reach_m): (DVec2, f64),
+        place: DVec2,
+        reach_m: f64,
         found: &mut Vec<(f64, u32)>,
     ) {
         found.clear();
@@ -112,6 +113,7 @@ impl MilestoneTiles {
         let cols = range(place.x, self.cols);
         for row in range(place.y, self.rows) {
             for col in cols.clone() {
+                // Opened on demand, each from a stream of its own, so that the order of queries does not matter.
                 let numbers = match self.opened.get(&((row * self.cols + col) as u32)) {
                     Some(numbers) => numbers.clone(),
                     None => self.open(milestones, [col, row]),

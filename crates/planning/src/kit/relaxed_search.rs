@@ -178,6 +178,7 @@ impl RelaxedSearch {
         self.expansions = 0;
         let ends = free_ends(&self.checker, start, target)?;
         let profile = ClearanceProfile::new(self.settings.clearance_m, ends.iter().copied());
+        // In open ground the curve alone arrives, without an expansion.
         if let Some(path) = self.heuristic.free_expansion(&self.checker, start, target, &profile) {
             return Ok(Found { path, by: FoundBy::Straight });
         }
@@ -190,6 +191,7 @@ impl RelaxedSearch {
         let &DriveEnds { start, target, ends } = drive;
         let field = self.checker.field();
         let body = self.checker.body();
+        // The estimates do not depend on a stage's clearance, so all stages share them.
         self.walks[0].begin(field, target, target.position_of(start, body));
         self.walks[1].begin(field, Target::Pose(start), target.position());
         let mut ending = SearchFailure::Exhausted;
@@ -207,6 +209,8 @@ impl RelaxedSearch {
                             .collect(),
                     };
                     let weight = self.settings.heuristic_weight;
+                    // The last stage is after any path: a greedier search finds one within the budget where a careful
+                    // one would not.
                     let weight = if stage.share == MIN_SHARE { weight.max(LAST_WEIGHT) } else { weight };
                     let path = self.search(lattice, [forward, backward], drive, &profile, &starts_behind, weight);
                     self.show(lattice, backward > 0, observer);
@@ -222,6 +226,7 @@ impl RelaxedSearch {
             match path {
                 Ok(path) => {
                     let improvement = self.settings.improvement;
+                    // The profile of the stage, so that improving never gives up clearance that the path has.
                     let path = self.improver.improve(&path, &profile, improvement, &mut self.rng.clone());
                     return Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by });
                 }
@@ -264,10 +269,12 @@ impl RelaxedSearch {
         let mut left = budgets;
         let mut ending = SearchFailure::Exhausted;
         while left != [0, 0] {
+            // They take turns: the one that begins in the narrower place ends soonest, and which that is is not known.
             for (side, (search, space)) in sides.iter_mut().enumerate() {
                 if left[side] == 0 {
                     continue;
                 }
+                // Three limits: of the turn, of the stage and of the whole query.
                 let turn = TURN.min(left[side]).min(settings.max_expansions - self.expansions);
                 let before = search.expansions;
                 let path = search.run(space, before + turn);
@@ -287,6 +294,7 @@ impl RelaxedSearch {
                     {
                         left[side] = 0;
                     }
+                    // All motions of this lattice were tried from one side; the next stage has others.
                     Err(failure) => return Err(failure),
                 }
             }
@@ -318,11 +326,10 @@ impl RelaxedSearch {
             Target::Discs(discs) => discs.iter().map(|&disc| disc.into()).collect(),
         };
         let found = goals.into_iter().find_map(|goal| {
+            // Goals share what is left of the budget, in the order in which they are listed.
             let budget = self.settings.max_expansions - self.expansions;
             let query = FloodQuery { start, goal, budget, lattices: FLOODS };
-            let (path, spent) = self.floods.find_within(&query, observer);
-            self.expansions += spent;
-            path.ok()
+            self.floods.find_within(&query, observer, &mut self.expansions).ok()
         });
         found.ok_or(SearchFailure::Exhausted)
     }

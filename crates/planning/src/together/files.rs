@@ -68,6 +68,7 @@ impl YamlNode {
                 Event::Alias(_) => return Err(fault(line, "aliases are not read here; expected plain values")),
                 _ => None,
             };
+            // Nested without end a small file would take all of the stack.
             if open.len() > DEEPEST {
                 return Err(fault(line, "lists and mappings are nested too deep for an instance or a solution"));
             }
@@ -162,6 +163,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
             if !(0.0..=width_m).contains(&x) || !(0.0..=height_m).contains(&y) {
                 return Err(value.unlike(key, "a place on the map"));
             }
+            // The benchmark counts yaw clockwise.
             Ok(Pose::new(x, y, -yaw))
         };
         let name = agent.member("name")?;
@@ -172,6 +174,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
         {
             return Err(name.unlike("name", "at most 60 letters, digits, and `_`, `-` or `.`"));
         }
+        // Solutions name vehicles.
         if vehicles.iter().any(|vehicle| vehicle.name == *word) {
             return Err(name.unlike("name", "another name for each vehicle"));
         }
@@ -197,11 +200,13 @@ pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
         for (step, state) in states.list(name, left)?.iter().enumerate() {
             let number = |key: &str| state.member(key)?.number(key, &ANY);
             let time = state.member("t")?;
+            // Times of a solution are its steps; a gap would be a jump.
             if time.number("t", &ANY)? != step as f64 {
                 return Err(time.unlike("t", &format!("{step}, since steps count 0, 1, 2 and so on")));
             }
             poses.push(Pose::new(number("x")?, number("y")?, -number("yaw")?));
         }
+        // One bound for all vehicles, as memory is taken by their sum.
         left -= poses.len();
         schedules.push(Schedule { name: name.clone(), poses });
     }

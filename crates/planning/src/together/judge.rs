@@ -71,11 +71,17 @@ impl fmt::Display for RuleBreach {
     }
 }
 
-/// Checks a schedule for every vehicle of an instance: the first fault of every vehicle, of every vehicle with an obstacle,
-/// and of every pair.
-///
-/// Also returns the routes, in the order of the instance, if all steps can be driven.
-pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<RuleBreach>, Option<Vec<Route>>) {
+/// The result of the check of a solution.
+#[derive(Debug)]
+pub struct ScheduleCheck {
+    /// The first fault of every vehicle, of every vehicle with an obstacle, and of every pair.
+    pub faults: Vec<RuleBreach>,
+    /// The routes, in the order of the instance, if all steps can be driven.
+    pub routes: Option<Vec<Route>>,
+}
+
+/// Checks a schedule for every vehicle of an instance.
+pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> ScheduleCheck {
     let mut faults = Vec::new();
     let mut tracks = Vec::new();
     let mut routes = Vec::new();
@@ -90,6 +96,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Ru
         for (is_goal, found, requested) in [(false, first, vehicle.start), (true, last, vehicle.goal)] {
             let off_m = (found.position() - requested.position()).length();
             let off_rad = ops::wrap_angle(found.heading - requested.heading).abs();
+            // Written so that what is not a number is a fault.
             if !(off_m <= ROUNDING_M && off_rad <= ROUNDING_RAD) {
                 faults.push(RuleBreach::WrongEnd { vehicle: vehicle.name.clone(), is_goal, off_m, off_rad });
             }
@@ -97,11 +104,13 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Ru
         let steps: Vec<Option<JudgedStep>> =
             schedule.poses.windows(2).map(|pair| JudgedStep::between(pair[0], pair[1])).collect();
         match steps.iter().position(Option::is_none) {
+            // Without steps the vehicle has no track: it cannot be tested against others.
             Some(step) => faults.push(RuleBreach::Undrivable { vehicle: vehicle.name.clone(), step }),
             None => {
                 let mut steps: Vec<JudgedStep> = steps.into_iter().flatten().collect();
                 let segments = steps.iter().map(|step| step.segment).collect();
                 routes.push(Route { start: *first, steps: segments });
+                // Forever, as others may still drive when it has arrived.
                 steps.push(JudgedStep::standing(*last));
                 tracks.push(VehicleTrack { name: &vehicle.name, steps });
             }
@@ -116,6 +125,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Ru
         faults.extend(touched);
     }
     for (index, one) in tracks.iter().enumerate() {
+        // Each pair once.
         for other in &tracks[..index] {
             if let Some((time, depth_m)) = vehicles_touch(mode, other, one) {
                 let names = [other.name.to_owned(), one.name.to_owned()];
@@ -123,7 +133,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> (Vec<Ru
             }
         }
     }
-    (faults, (routes.len() == instance.vehicles.len()).then_some(routes))
+    ScheduleCheck { faults, routes: (routes.len() == instance.vehicles.len()).then_some(routes) }
 }
 
 /// A vehicle's steps; the last, which stands, is forever.
@@ -181,6 +191,7 @@ impl JudgedStep {
     /// Finds the line or the arc from one pose to another, if the vehicle can drive it in a step.
     fn between(from: Pose, to: Pose) -> Option<Self> {
         let numbers = [from.x, from.y, from.heading, to.x, to.y, to.heading];
+        // Comparisons below are false for what is not a number, and would let it pass.
         if !numbers.iter().all(|number| number.is_finite()) {
             return None;
         }
@@ -197,8 +208,10 @@ impl JudgedStep {
             return Some(Self::standing(from));
         }
         let is_straight =
+            // Rounded poses of a straight turn by a little.
             turn.abs() < 1e-6 || (turn.abs() < ROUNDING_RAD && chord.length() > RADIUS_M * 2.0 * turn.abs());
         let length_m = if is_straight { along_m } else { along_m * 0.5 * turn / ops::sin(0.5 * turn) };
+        // No vehicle turns by more than a quarter within a step.
         if length_m.abs() > STEP_M + ROUNDING_M || turn.abs() > 0.5 * PI {
             return None;
         }

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use rand::{Rng, RngExt};
 
 use super::files::{read_instance, read_solution, write_solution};
-use super::judge::{self, RuleBreach, Schedule};
+use super::judge::{self, RuleBreach, Schedule, ScheduleCheck};
 use super::world::{Motion, Traffic};
 use super::*;
 use wildfire_base::geometry::ops;
@@ -19,7 +19,7 @@ fn settings(mode: Mode, seed: u64) -> PlanTogether {
 }
 
 fn solve(instance: &Instance, settings: &PlanTogether) -> Result<Vec<Route>, Unsolved> {
-    plan(instance, settings, &mut || false).0
+    plan(instance, settings, &mut || false, &mut RepairEffort::default())
 }
 
 fn schedules(instance: &Instance, routes: &[Route]) -> Vec<Schedule> {
@@ -77,7 +77,7 @@ fn solutions_pass_the_independent_check() {
             }
             let Ok(routes) = solve(&instance, &settings(mode, seed)) else { continue };
             solved += 1;
-            let (faults, back) = judge::check(&instance, mode, &schedules(&instance, &routes));
+            let ScheduleCheck { faults, routes: back } = judge::check(&instance, mode, &schedules(&instance, &routes));
             assert_eq!(faults, [], "{mode:?}, seed {seed}");
             for (read, planned) in back.expect("all steps can be driven").iter().zip(&routes) {
                 assert!((read.flowtime_m() - planned.flowtime_m()).abs() < 1e-6);
@@ -95,9 +95,12 @@ fn the_same_seed_gives_the_same_routes() {
     for method in [RepairMethod::Prioritised, RepairMethod::Repair] {
         let instance = random_instance(3, 9, 4);
         let settings = PlanTogether { method, ..settings(Mode::Benchmark, 7) };
-        let bits = |(routes, effort): (Result<Vec<Route>, Unsolved>, RepairEffort)| (format!("{routes:?}"), effort);
-        let first = bits(plan(&instance, &settings, &mut || false));
-        assert_eq!(first, bits(plan(&instance, &settings, &mut || false)));
+        let bits = || {
+            let mut effort = RepairEffort::default();
+            let routes = plan(&instance, &settings, &mut || false, &mut effort);
+            (format!("{routes:?}"), effort)
+        };
+        assert_eq!(bits(), bits());
     }
 }
 
@@ -114,7 +117,7 @@ fn vehicles_make_way_for_each_other() {
         {
             let routes =
                 solve(&instance, &PlanTogether { method, ..settings(mode, 1) }).expect("there is room to pass");
-            assert_eq!(judge::check(&instance, mode, &schedules(&instance, &routes)).0, []);
+            assert_eq!(judge::check(&instance, mode, &schedules(&instance, &routes)).faults, []);
         }
     }
 }
@@ -144,7 +147,8 @@ fn what_cannot_be_solved_is_reported() {
     let narrow = Instance { size_m: DVec2::new(30.0, 2.0), obstacles: Vec::new(), vehicles };
     let narrow = solve(&narrow, &PlanTogether { rounds: 8, ..settings(Mode::Exact, 1) }).expect_err("no room");
     assert_eq!(narrow.to_string(), "1 pair of vehicles still conflicts after all rounds");
-    let stopped = plan(&alone, &settings(Mode::Exact, 1), &mut || true).0.expect_err("it was stopped");
+    let stopped = plan(&alone, &settings(Mode::Exact, 1), &mut || true, &mut RepairEffort::default());
+    let stopped = stopped.expect_err("it was stopped");
     assert_eq!(stopped.to_string(), "the limit on CPU time ended the search");
 }
 
@@ -156,7 +160,7 @@ fn contact_is_decided_whatever_the_gap() {
     let solved_m = |obstacles: Vec<DVec2>, vehicles: Vec<Vehicle>| {
         let instance = Instance { size_m: DVec2::splat(30.0), obstacles, vehicles };
         let routes = solve(&instance, &settings(Mode::Exact, 1)).expect("a drive straight ahead is free");
-        assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).0, []);
+        assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).faults, []);
         routes.iter().map(Route::flowtime_m).fold(0.0, f64::max)
     };
     for gap_m in [-4e-4, 0.0, 1e-12, 1e-8, 1e-4, 1e-2] {
@@ -196,11 +200,12 @@ fn every_method_stops_at_its_limit() {
                 calls > max_calls
             };
             let settings = PlanTogether { method, ..settings(Mode::Exact, 1) };
-            let (found, effort) = plan(&instance, &settings, &mut is_stopped);
+            let mut effort = RepairEffort::default();
+            let found = plan(&instance, &settings, &mut is_stopped, &mut effort);
             assert!(effort.expansions <= 16 * max_calls, "{effort:?} after {max_calls} looks at the limit");
             match found {
                 Ok(routes) => {
-                    assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).0, []);
+                    assert_eq!(judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).faults, []);
                 }
                 Err(reason) => {
                     assert_eq!(reason, Unsolved::Stopped);
@@ -235,7 +240,7 @@ fn planner_and_judge_agree_with_samples() {
         let mut traffic = Traffic::new(Mode::Exact, 2);
         traffic.insert(0, &routes[0]);
         let is_planned_free = traffic.conflicts(0, &motions[1]) == 0;
-        let (faults, _) = judge::check(&instance, Mode::Exact, &schedules(&instance, &routes));
+        let faults = judge::check(&instance, Mode::Exact, &schedules(&instance, &routes)).faults;
         let sampled = (0..=100).any(|part| {
             let corners = motions.map(|motion| {
                 let pose = motion.step.pose_at(motion.from, f64::from(part) / 100.0 * motion.step.length_m);
@@ -270,7 +275,7 @@ fn the_judge_finds_what_is_wrong() {
     let found = |change: &dyn Fn(&mut Vec<Schedule>)| {
         let mut schedules = good.clone();
         change(&mut schedules);
-        let (faults, _) = judge::check(&instance, Mode::Exact, &schedules);
+        let faults = judge::check(&instance, Mode::Exact, &schedules).faults;
         faults.iter().map(RuleBreach::to_string).collect::<Vec<_>>().join("\n")
     };
     let none = found(&|_| {});
@@ -292,12 +297,12 @@ fn the_judge_finds_what_is_wrong() {
     });
     assert!(at_once.contains("agent0 and agent5 overlap by"), "{at_once}");
     let off = Instance { size_m: DVec2::new(30.0, 12.0), ..instance.clone() };
-    let (faults, _) = judge::check(&off, Mode::Benchmark, &good);
+    let faults = judge::check(&off, Mode::Benchmark, &good).faults;
     assert!(faults.iter().any(|fault| fault.to_string().contains("leaves the map at step")), "{faults:?}");
     let on_path = good[0].poses[good[0].poses.len() / 2].position();
     let hit = Instance { obstacles: vec![on_path], ..instance.clone() };
     for mode in BOTH {
-        let (faults, _) = judge::check(&hit, mode, &good);
+        let faults = judge::check(&hit, mode, &good).faults;
         assert!(faults.iter().any(|fault| fault.to_string().contains("agent0 overlaps obstacle 0 by")), "{faults:?}");
     }
 }

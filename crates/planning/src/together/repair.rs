@@ -107,7 +107,7 @@ impl fmt::Display for Unsolved {
     }
 }
 
-/// Finds a route for every vehicle. `is_stopped`, which is asked every few expansions, can only end the search without
+/// Finds a route for every vehicle, and says what that took. `is_stopped`, which is asked every few expansions, can only end the search without
 /// routes, or its last part, which makes them cheaper.
 ///
 /// # Errors
@@ -116,11 +116,12 @@ pub fn plan(
     instance: &Instance,
     settings: &PlanTogether,
     is_stopped: &mut dyn FnMut() -> bool,
-) -> (Result<Vec<Route>, Unsolved>, RepairEffort) {
+    effort: &mut RepairEffort,
+) -> Result<Vec<Route>, Unsolved> {
     let mut team = RepairTeam::new(instance, settings, is_stopped);
     let found = team.solve();
-    let effort = RepairEffort { expansions: team.search.expanded, rounds: team.rounds };
-    (found.map(|()| team.routes.into_iter().map(|route| route.expect("all have routes")).collect()), effort)
+    *effort = RepairEffort { expansions: team.search.expanded, rounds: team.rounds };
+    found.map(|()| team.routes.into_iter().map(|route| route.expect("all have routes")).collect())
 }
 
 struct RepairTeam<'a> {
@@ -169,6 +170,7 @@ impl<'a> RepairTeam<'a> {
         let instance = self.instance;
         for (index, vehicle) in instance.vehicles.iter().enumerate() {
             let mut found = Vec::new();
+            // Few expansions first: most vehicles have an easy drive.
             for expansions in DRIVE_EXPANSIONS {
                 if found.is_empty() {
                     self.continue_unless_stopped()?;
@@ -187,6 +189,7 @@ impl<'a> RepairTeam<'a> {
         match self.settings.method {
             RepairMethod::Prioritised => self.try_orders(order)?,
             RepairMethod::Repair => {
+                // A first plan with conflicts is quick, and repairing it is where the time goes.
                 self.replan(&order, SearchBudget { penalty_m: PENALTY_M, expansions: 1000 })?;
                 self.repair()?;
             }
@@ -208,10 +211,12 @@ impl<'a> RepairTeam<'a> {
             let blocked = |is_goal| Unsolved::Blocked { vehicle: vehicle.name.clone(), is_goal };
             self.grounds.push(StaticMap::new(self.instance, self.settings.mode, vehicle).map_err(blocked)?);
         }
+        // Starts and goals apart: a start may be another's goal.
         for is_goal in [false, true] {
             let ends = vehicles.iter().map(|vehicle| if is_goal { vehicle.goal } else { vehicle.start });
             let ends: Vec<Pose> = ends.collect();
             self.traffic.make_room_for(&ends);
+            // A copy, as routes are added only for this test.
             let mut traffic = self.traffic.clone();
             for (index, (vehicle, &start)) in vehicles.iter().zip(&ends).enumerate() {
                 let standing = Route { start, steps: Vec::new() };
@@ -253,9 +258,11 @@ impl<'a> RepairTeam<'a> {
     }
 
     fn set_route(&mut self, vehicle: usize, route: Option<Route>) {
+        // Conflicts are kept on both sides, so both change.
         for other in std::mem::take(&mut self.conflicts[vehicle]) {
             self.conflicts[other].retain(|&index| index != vehicle);
         }
+        // Before the new route is tested: it must not conflict with the old one.
         self.traffic.remove(vehicle);
         if let Some(route) = &route {
             let met = &mut self.conflicts[vehicle];
@@ -282,6 +289,7 @@ impl<'a> RepairTeam<'a> {
         let mut best_m = f64::INFINITY;
         let mut best = None;
         for drive in &self.drives[vehicle] {
+            // Drives are in order of length, and waiting only adds to it.
             if drive.length_m >= best_m {
                 break;
             }
@@ -290,6 +298,7 @@ impl<'a> RepairTeam<'a> {
             }
         }
         let min_m = self.min_m(vehicle);
+        // Within rounding of the shortest drive nothing is left to gain.
         if best_m > min_m + 0.05 {
             // What only waits costs little, and a search for less ends early.
             let expansions = if best_m < min_m + care.penalty_m { care.expansions / 4 } else { care.expansions };
@@ -302,6 +311,7 @@ impl<'a> RepairTeam<'a> {
             };
             if let Some(found) = self.search.find(&query, self.is_stopped) {
                 let drive = shortened(&self.grounds[vehicle], found.route.clone(), self.is_stopped);
+                // Shortening disregards the others, so it counts only if waits make it cheaper.
                 let shorter = wait_along(&drive, &others, found.price_m);
                 best = Some(shorter.map_or(found.route, |shorter| shorter.route));
                 keep(&mut self.drives[vehicle], drive);
@@ -334,12 +344,15 @@ impl<'a> RepairTeam<'a> {
             self.rounds += 1;
             let in_conflict: Vec<usize> =
                 (0..self.routes.len()).filter(|&vehicle| !self.conflicts[vehicle].is_empty()).collect();
+            // At random: a fixed choice would try the same group again and again.
             let seed = in_conflict[self.random.random_range(0..in_conflict.len())];
             let group = self.group_around(seed);
             let before = self.pairs();
+            // The longer without progress, the dearer conflicts and the larger the searches.
             let stuck = f64::from(since_progress / 10);
             let care =
                 SearchBudget { penalty_m: PENALTY_M * (1.0 + stuck), expansions: 2000 * (1 + since_progress / 20) };
+            // As many conflicts as before are accepted, so that a search can leave a plateau.
             self.try_again(group, care, |team, _| team.pairs() <= before)?;
             since_progress = if self.pairs() < before { 0 } else { since_progress + 1 };
         }
@@ -350,6 +363,7 @@ impl<'a> RepairTeam<'a> {
     fn polish(&mut self) -> Result<(), Unsolved> {
         let vehicles = self.routes.len();
         for _ in 0..self.settings.polish as usize * vehicles {
+            // Vehicles are drawn by what they could save.
             let excess: Vec<f64> =
                 (0..vehicles).map(|vehicle| (self.metres(&[vehicle]) - self.min_m(vehicle) - 0.05).max(0.0)).collect();
             let sum: f64 = excess.iter().sum();
@@ -362,6 +376,7 @@ impl<'a> RepairTeam<'a> {
                 drawn < 0.0
             });
             let group = self.group_around(seed.unwrap_or(0));
+            // From here on routes are free, and stay so.
             let care = SearchBudget { penalty_m: FORBIDDEN_M, expansions: 1000 };
             self.try_again(group, care, |team, saved_m| team.pairs() == 0 && saved_m > 1e-6)?;
         }
@@ -375,11 +390,13 @@ impl<'a> RepairTeam<'a> {
         care: SearchBudget,
         is_accepted: impl Fn(&Self, f64) -> bool,
     ) -> Result<(), Unsolved> {
+        // The order decides who makes way; another one may find what the last did not.
         group.shuffle(&mut self.random);
         let before_m = self.metres(&group);
         let kept: Vec<Option<Route>> = group.iter().map(|&vehicle| self.routes[vehicle].clone()).collect();
         let planned = self.replan(&group, care);
         if planned.is_err() || !is_accepted(self, before_m - self.metres(&group)) {
+            // All are taken out first: half of the old routes would conflict with half of the new.
             for &vehicle in &group {
                 self.set_route(vehicle, None);
             }
@@ -392,9 +409,11 @@ impl<'a> RepairTeam<'a> {
 
     /// Chooses vehicles to plan again with one: those that conflict with it, those on its shortest drive, and some beside it.
     fn group_around(&mut self, seed: usize) -> Vec<usize> {
+        // Small groups are quick, large ones can untangle more.
         let max = self.random.random_range(2..=8).min(self.routes.len());
         let mut group = vec![seed];
         let mut near = self.conflicts[seed].clone();
+        // Whoever is on its shortest drive keeps it from that.
         if let Some(drive) = self.drives[seed].first() {
             let route = drive.route();
             self.traffic.for_each_conflict_of(&route, |other| near.push(other));
@@ -406,6 +425,7 @@ impl<'a> RepairTeam<'a> {
             }
         }
         let mut tries = 0;
+        // Bounded, as all that are in conflict may be in the group already.
         while group.len() < max && tries < 16 {
             tries += 1;
             let member = group[self.random.random_range(0..group.len())];

@@ -95,6 +95,7 @@ impl Others<'_> {
 /// Layers of one wait more each; a layer whose cheapest way on cannot win with a further wait is the last.
 pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<CostedRoute> {
     let steps = drive.motions.len();
+    // What is left to drive bounds every price from below.
     let mut ahead_m = vec![0.0; steps + 1];
     for at in (0..steps).rev() {
         ahead_m[at] = ahead_m[at + 1] + drive.motions[at].step.length_m.abs();
@@ -103,6 +104,7 @@ pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<
     prices[0] = 0.0;
     let mut waited: Vec<Vec<bool>> = Vec::new();
     let (mut best_m, mut best_waits) = (bound_m, None);
+    // A table of (steps driven, waits), a row of waits at a time.
     for waits in 0..=MAX_WAITS {
         let mut waited_at = vec![false; steps + 1];
         let mut min_m = f64::INFINITY;
@@ -110,6 +112,7 @@ pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<
             let arrived = at + waits;
             let mut price_m = if waits == 0 && at == 0 { 0.0 } else { f64::INFINITY };
             let may_wait = at > 0 || others.may_wait_at_start;
+            // At the goal no wait is needed: arriving is priced for all time.
             if waits > 0 && at < steps && may_wait && prices[at] + STEP_M + ahead_m[at] < best_m {
                 let motion = Motion::standing(drive.motions[at].from);
                 price_m = prices[at] + STEP_M + others.price_m(arrived - 1, &motion);
@@ -118,6 +121,7 @@ pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<
             if at > 0 && prices[at - 1] + ahead_m[at - 1] < best_m {
                 let motion = &drive.motions[at - 1];
                 let driven_m = prices[at - 1] + motion.step.length_m.abs();
+                // The test of conflicts is costly, so only for what can still be cheaper.
                 if driven_m < price_m {
                     let driven_m = driven_m + others.price_m(arrived - 1, motion);
                     if driven_m < price_m {
@@ -135,6 +139,7 @@ pub fn wait_along(drive: &StaticDrive, others: &Others, bound_m: f64) -> Option<
         if price_m < best_m {
             (best_m, best_waits) = (price_m, Some(waits));
         }
+        // One more wait costs at least a step.
         if min_m + STEP_M >= best_m {
             break;
         }
@@ -167,7 +172,9 @@ pub fn drives(
     let mut curves = Vec::new();
     CURVES.candidates(vehicle.start, vehicle.goal, &CurvePrice::LENGTH, &mut curves);
     let shortest_m = curves[0].price;
+    // Curves that are much longer would rarely be worth it.
     for curve in curves.iter().take_while(|curve| curve.price < 1.2 * shortest_m + 4.0 * RADIUS_M) {
+        // Room is left for what searches find.
         if found.len() == MAX_DRIVES - 2 {
             break;
         }
@@ -176,6 +183,7 @@ pub fn drives(
             found.push(drive);
         }
     }
+    // No drive is shorter than the shortest curve.
     if found.first().is_none_or(|drive| drive.length_m > shortest_m + 1e-6) {
         let bound_m = found.first().map_or(f64::INFINITY, |drive| drive.length_m);
         let query = Query { ground, vehicle, others: None, bound_m, expansions };
@@ -206,6 +214,7 @@ pub fn shortened(ground: &StaticMap, route: Route, is_stopped: &mut dyn FnMut() 
     let halves = driven.flat_map(|step| std::iter::repeat_n(step.with_length(0.5 * step.length_m.abs()), 2));
     let mut drive = StaticDrive::new(route.start, halves);
     let mut span = drive.motions.len();
+    // Long cuts first: they gain most and leave fewer short ones.
     while span >= 2 && !is_stopped() {
         let mut from = 0;
         while from + span <= drive.motions.len() {
@@ -223,6 +232,7 @@ pub fn shortened(ground: &StaticMap, route: Route, is_stopped: &mut dyn FnMut() 
                     drive = StaticDrive::new(route.start, steps.chain(rest));
                 }
             }
+            // Overlapping cuts, so that none depends on where the first began.
             from += (span / 4).max(1);
         }
         span = if span > 8 { span * 3 / 4 } else { span - 1 };
@@ -278,6 +288,7 @@ impl Search {
         self.nodes.clear();
         self.open.clear();
         self.bins.clear();
+        // The curve without obstacles: admissible.
         let ahead_m = |pose: Pose| CURVES.length_m(pose, vehicle.goal);
         let root = RouteNode { pose: vehicle.start, at: 0, parent: u32::MAX, step: WAIT, price_m: 0.0 };
         self.push(root, ahead_m(root.pose));
@@ -285,19 +296,23 @@ impl Search {
         let mut best: Option<(u32, Vec<Segment>)> = None;
         let mut curves = Vec::new();
         for expansion in 0..expansions {
+            // Looking at a clock each time would cost more than an expansion.
             if expansion % EXPANSIONS_A_LOOK == 0 && is_stopped() {
                 return None;
             }
             let Some(Reverse((key, _, index))) = self.open.pop() else { break };
+            // Keys are positive, so their bits are in the order of the numbers.
             if f64::from_bits(key) >= best_m {
                 break;
             }
             self.expanded += 1;
             let node = self.nodes[index as usize];
+            // A cheaper way to its bin was found since it was pushed.
             if self.bins.best(bin_of(&node, others.is_some())) < node.price_m {
                 continue;
             }
             CURVES.candidates(node.pose, vehicle.goal, &CurvePrice::LENGTH, &mut curves);
+            // Near the goal a longer curve may pass where the shortest is blocked.
             let tried = if curves[0].price < NEAR_GOAL_M { 4 } else { 1 };
             for curve in curves.iter().take(tried) {
                 if node.price_m + curve.price >= best_m {
@@ -323,11 +338,13 @@ impl Search {
                 if self.bins.best(bin) <= child.price_m || !ground.allows(&motion) {
                     continue;
                 }
+                // Gives up as soon as the length exceeds what could still win.
                 let ahead_m = CURVES.length_below(child.pose, vehicle.goal, best_m - child.price_m);
                 let Some(ahead_m) = ahead_m else { continue };
                 if let Some(others) = others {
                     child.price_m += others.price_m(node.at as usize, &motion);
                 }
+                // Bins are improved last, so that refused children leave no mark.
                 if child.price_m + ahead_m < best_m && self.bins.improve(bin, child.price_m) {
                     self.push(child, ahead_m);
                 }
@@ -365,6 +382,7 @@ fn try_shot(query: &Query, node: &RouteNode, steps: &[Segment], bound_m: f64) ->
         }
         if let Some(others) = query.others {
             price_m += others.price_m(at, &motion);
+            // Prices only rise along the way.
             if price_m >= bound_m {
                 return None;
             }

@@ -24,7 +24,8 @@ pub enum CostToGoEstimate {
 /// the true cost.
 pub fn walk(
     memory: &mut AStar,
-    (estimate, weight): (CostToGoEstimate, f64),
+    estimate: CostToGoEstimate,
+    weight: f64,
     costs: &WalkCosts,
     query: &WalkQuery<'_>,
     observer: &mut dyn PlanningObserver,

@@ -63,7 +63,8 @@ impl WalkPlanner {
         &mut self,
         lattice: &WalkLattice,
         start: usize,
-        (cell, reach_m): (Cell, f64),
+        cell: Cell,
+        reach_m: f64,
         observer: &mut dyn PlanningObserver,
     ) -> Walk {
         let goals: Vec<usize> = lattice.points_of_reach(cell, reach_m).collect();
@@ -71,7 +72,7 @@ impl WalkPlanner {
         let Self { costs, method } = self;
         match method {
             Prepared::Astar { memory, estimate, weight } => {
-                astar::walk(memory, (*estimate, *weight), costs, &query, observer)
+                astar::walk(memory, *estimate, *weight, costs, &query, observer)
             }
             Prepared::Wavefront => wavefront::walk(costs, &query, observer),
             Prepared::Potential(field) => field.walk(costs, &query, observer),
@@ -138,7 +139,7 @@ mod tests {
                     let blind = WalkMethod::Astar { estimate: CostToGoEstimate::Octile, weight: 0.0 };
                     let paths = [ASTAR, blind, WalkMethod::Wavefront].map(|method| {
                         let mut planner = WalkPlanner::new(lattice, method, costs.clone());
-                        planner.plan(lattice, start, (cell, 6.25), &mut NullObserver).path
+                        planner.plan(lattice, start, cell, 6.25, &mut NullObserver).path
                     });
                     let approachable = lattice.points_of_reach(cell, 6.25).any(|point| reached[point]);
                     assert!(paths.iter().all(|path| path.is_some() == approachable));
@@ -160,7 +161,7 @@ mod tests {
         let (mut greedy_effort, mut exact_effort) = (0, 0);
         each_query(0.2, |_, lattice, start, cell| {
             let effort = |method| {
-                WalkPlanner::new(lattice, method, metres()).plan(lattice, start, (cell, 6.25), &mut NullObserver)
+                WalkPlanner::new(lattice, method, metres()).plan(lattice, start, cell, 6.25, &mut NullObserver)
             };
             let greedy = effort(WalkMethod::Astar { estimate: CostToGoEstimate::Octile, weight: 4.0 });
             let exact = effort(ASTAR);
@@ -189,8 +190,7 @@ mod tests {
         let middle = Cell { col: 9, row: 9 };
         assert_eq!(lattice.points_of_reach(middle, 6.25).count(), 0);
         for method in [ASTAR, WalkMethod::Wavefront, WalkMethod::Potential(POTENTIAL)] {
-            let walk =
-                WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, (middle, 6.25), &mut NullObserver);
+            let walk = WalkPlanner::new(&lattice, method, metres()).plan(&lattice, 0, middle, 6.25, &mut NullObserver);
             assert_eq!(walk.path, None, "{method:?}");
         }
     }
@@ -209,7 +209,7 @@ mod tests {
         each_query(0.1, |seed, lattice, start, cell| {
             let plan = |settings| {
                 let mut planner = WalkPlanner::new(lattice, WalkMethod::Potential(settings), metres());
-                planner.plan(lattice, start, (cell, 6.25), &mut NullObserver)
+                planner.plan(lattice, start, cell, 6.25, &mut NullObserver)
             };
             let walk = plan(no_escape);
             let escaped = plan(POTENTIAL);

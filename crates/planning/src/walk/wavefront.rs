@@ -42,6 +42,9 @@ fn downhill(costs: &WalkCosts, lattice: &WalkLattice, to_go: &[f64], here: usize
 fn wave(costs: &WalkCosts, lattice: &WalkLattice, to_go: &[f64]) -> Vec<[DVec2; 2]> {
     let mut settled: Vec<usize> = (0..to_go.len()).filter(|&point| to_go[point].is_finite()).collect();
     settled.sort_by(|&a, &b| to_go[a].total_cmp(&to_go[b]));
-    let before = |point| if to_go[point] > 0.0 { downhill(costs, lattice, to_go, point) } else { point };
-    settled.into_iter().map(|point| [before(point), point].map(|point| lattice.position(point))).collect()
+    let steps = settled.into_iter().map(|point| {
+        let before = if to_go[point] > 0.0 { downhill(costs, lattice, to_go, point) } else { point };
+        [before, point].map(|point| lattice.position(point))
+    });
+    steps.collect()
 }

@@ -87,7 +87,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
             roads.bytes(landscape.fuel.len()).map_or(0, |cells| cells.iter().filter(|&&road| road == 1).count());
         lines.push(format!("Roads from {}: {roads} cells, {} %.", file.display(), percent(roads as f64 / cells)));
     }
-    if let Some(layers) = scenario.layers().filter(|layers| layers.gives() != (false, false)) {
+    if let Some(layers) = scenario.layers().filter(|layers| layers.gives_ground()) {
         let system = if layers.crs.is_some() { "the coordinate system of its files" } else { "metres" };
         if !layers.bands.is_empty() {
             lines.push(format!("Layers: {}.", layers.bands.join("; ")));

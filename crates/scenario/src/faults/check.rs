@@ -20,8 +20,11 @@ pub const ROUNDING_M: f64 = 1e-9;
 /// Checks a name that goes into tables and file names.
 pub fn check_name(field: &str, name: &str) -> Check {
     let fits = (1..=MAX_NAME).contains(&name.chars().count()) && !name.chars().any(char::is_control);
-    let expected = || format!("a line of 1 to {MAX_NAME} characters");
-    if fits { Ok(()) } else { TablePath::named("").refuse(field, shortened(&format!("{name:?}")), expected()) }
+    if fits {
+        return Ok(());
+    }
+    let expected = format!("a line of 1 to {MAX_NAME} characters");
+    TablePath::named("").refuse(field, shortened(&format!("{name:?}")), expected)
 }
 
 /// A value that is refused.

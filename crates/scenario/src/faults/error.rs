@@ -211,8 +211,8 @@ impl fmt::Debug for SourceLocation {
 
 /// Finds the name in `valid_names` that is most like `name`, if any is similar enough to be meant.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let likeness = |other: &str| strsim::jaro_winkler(&name.to_lowercase(), other);
-    let scored = candidates.into_iter().map(|other| (likeness(other), other));
+    let name = name.to_lowercase();
+    let scored = candidates.into_iter().map(|other| (strsim::jaro_winkler(&name, other), other));
     let best = scored.max_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(one.1)))?;
     (best.0 > 0.75).then(|| best.1.to_owned())
 }

@@ -27,13 +27,20 @@ pub enum KeyOrValue {
     Value,
 }
 
-/// Turns a message of serde into a fault, the path that it concerns, and which side of `key = value` is wrong.
-pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, KeyOrValue) {
+/// A fault, the path that it concerns, and which side of `key = value` is wrong.
+pub struct FaultOfField {
+    pub fault: Fault,
+    pub path: FieldPath,
+    pub side: KeyOrValue,
+}
+
+/// Turns a message of serde into a fault.
+pub fn fault_from_message(message: &str, path: FieldPath) -> FaultOfField {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
     let is_loaded = |name: &str| LOADED.iter().any(|path| path.rsplit('.').next() == Some(name));
     let valid_names: Vec<String> = quoted.filter(|name| !is_loaded(name)).map(str::to_owned).collect();
-    if message.starts_with("unknown field") {
+    let (fault, path, side) = if message.starts_with("unknown field") {
         let table = table_of(&path, name);
         (unknown_field(name, &table, valid_names), table.join(PathStep::key(name)), KeyOrValue::Key)
     } else if message.starts_with("missing field") {
@@ -44,7 +51,8 @@ pub fn fault_from_message(message: &str, path: FieldPath) -> (Fault, FieldPath, 
         (fault, path, KeyOrValue::Value)
     } else {
         (value_fault(message, &path), path, KeyOrValue::Value)
-    }
+    };
+    FaultOfField { fault, path, side }
 }
 
 /// Describes an unknown field, with the most similar known name.

@@ -99,8 +99,8 @@ ranges! { Crew {
 impl Crew {
     /// Returns the metres of line that all of the entry build in a second on a fuel.
     pub fn rate_mps(&self, fuel: u8) -> f64 {
-        let is_it = |code: &str| FuelModel::by_name(code).is_some_and(|model| model.number == fuel);
-        let of_fuel = self.rate_by_fuel.iter().find(|(code, _)| is_it(code));
+        let mut rates = self.rate_by_fuel.iter();
+        let of_fuel = rates.find(|(code, _)| FuelModel::by_name(code).is_some_and(|model| model.number == fuel));
         f64::from(self.count) * of_fuel.map_or(self.rate_m_h, |(_, &rate)| rate) / 3600.0
     }
 

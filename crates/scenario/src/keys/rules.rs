@@ -102,8 +102,8 @@ impl IgnitionDensity {
     pub fn order(&self, frame: &FieldFrame, seed: u64, number: usize) -> Vec<Cell> {
         let weights = self.weights.as_ref().and_then(|weights| weights.by_cell(frame)).unwrap_or_default();
         let mut rng = rng::stream(seed, &format!("ignition/density/{number}"));
-        let key = |weight: f32| -ops::ln(1.0 - rng.random::<f64>()) / f64::from(weight);
-        let keys: Vec<f64> = weights.iter().copied().map(key).collect();
+        let keys: Vec<f64> =
+            weights.iter().map(|&weight| -ops::ln(1.0 - rng.random::<f64>()) / f64::from(weight)).collect();
         let mut order: Vec<usize> = (0..weights.len()).filter(|&index| weights[index] > 0.0).collect();
         order.sort_by(|&one, &other| keys[one].total_cmp(&keys[other]).then(one.cmp(&other)));
         order.into_iter().map(|index| frame.cell(index)).collect()

@@ -426,8 +426,7 @@ impl AgentList for Vec<Unimog> {
 
     fn warn_of_field(&self, field: &ScenarioField<'_>, found: &mut Vec<String>) {
         warn_of_roadmaps(self, field, found);
-        let slowed = || first_of_their_kind(self).filter(|(_, truck)| !truck.speed_by_ground.is_empty());
-        for (number, truck) in slowed() {
+        for (number, truck) in first_of_their_kind(self).filter(|(_, truck)| !truck.speed_by_ground.is_empty()) {
             let name = format!("`speed_by_ground` of truck {number}");
             if field.terrain.landscape.is_none() {
                 found.push(format!("The {name} has no effect: the field has bushes and no other ground."));

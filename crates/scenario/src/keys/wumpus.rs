@@ -333,8 +333,10 @@ impl AgentList for Vec<Wumpus> {
         let terrain = field.terrain;
         let has_place = |wumpus: &Wumpus, shape: LatticeShape| {
             let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_EXAMINED;
-            let lattice = || WalkLattice::new(terrain.frame, &terrain.occupied, shape);
-            is_large || lattice().nearest_free(wumpus.start_centre()).is_some()
+            is_large || {
+                let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, shape);
+                lattice.nearest_free(wumpus.start_centre()).is_some()
+            }
         };
         let is_blocked = |wumpus: &Wumpus| !square_is_free(terrain, wumpus.start_centre(), wumpus.size_m);
         let mut starts = BlockedStarts::default();

@@ -14,7 +14,7 @@ use super::weather_stream::read_stream;
 use crate::faults::check::{TablePath, ValidationError};
 use crate::faults::error::{Fault, ScenarioError, SourceLocation};
 use crate::faults::path::{FieldPath, FoundSpan, PathStep};
-use crate::faults::wording::{self, KeyOrValue, LOADED};
+use crate::faults::wording::{self, FaultOfField, KeyOrValue, LOADED};
 use crate::keys::program::{Unusable, UnusableFile};
 use crate::site::geojson;
 use crate::site::imported::json_fault;
@@ -140,7 +140,7 @@ impl WrittenScenario<'_> {
         self.copies = AgentExpansion::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
         let mut scenario: Scenario = serde_path_to_error::deserialize(expanded).map_err(|error| {
             let path = FieldPath::from_serde(error.path());
-            let (fault, path, side) = wording::fault_from_message(error.inner().message(), path);
+            let FaultOfField { fault, path, side } = wording::fault_from_message(error.inner().message(), path);
             fault.at(self.location(&path, side))
         })?;
         if scenario.name.is_empty() {

@@ -197,7 +197,7 @@ impl ProblemFile<'_> {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
         let fault = match error.classify() {
-            Category::Data => wording::fault_from_message(message, path).0,
+            Category::Data => wording::fault_from_message(message, path).fault,
             Category::Io | Category::Syntax | Category::Eof => Fault::NotJson { message: message.to_owned() },
         };
         fault.at(self.at(character_at(self.text, at)))

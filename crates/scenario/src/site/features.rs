@@ -126,6 +126,7 @@ impl Features<'_> {
     ///
     /// Returns false if the river meets the start of an agent wherever it is tried.
     pub fn lay(&self, ground: &mut [u8], frame: &FieldFrame, seed: u64, free: &RiverExclusion) -> bool {
+        // Each feature has a stream of its own: adding one leaves the others where they are.
         for (number, patches) in self.patches.iter().enumerate() {
             patches.lay(ground, frame, &mut rng::stream(seed, &format!("landscape/patches/{number}")));
         }
@@ -139,6 +140,7 @@ impl Features<'_> {
                 Some((river, course))
             }
         };
+        // Roads after the river, which they cross.
         for (number, road) in self.roads.iter().enumerate() {
             road.lay(ground, frame, &mut rng::stream(seed, &format!("landscape/roads/{number}")));
         }
@@ -219,6 +221,7 @@ impl Patches {
         let wanted = (self.share * frame.cell_count() as f64).round() as usize;
         let mut is_covered = vec![false; frame.cell_count()];
         let mut covered = 0;
+        // Patches overlap, so their number is not known; the bound ends a share that is out of reach.
         for _ in 0..MAX_PATCHES {
             if covered >= wanted {
                 return;
@@ -230,6 +233,7 @@ impl Patches {
             for index in cells_near(frame, centre, axes.max_element()) {
                 let offset = frame.centre(frame.cell(index)) - centre;
                 let along = DVec2::new(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin) / axes;
+                // The last patch ends where the share is reached, so that the share is exact.
                 if along.length_squared() <= 1.0 && !is_covered[index] && covered < wanted {
                     is_covered[index] = true;
                     ground[index] = fuel;
@@ -341,6 +345,7 @@ impl River {
 impl Road {
     fn lay(&self, ground: &mut [u8], frame: &FieldFrame, rng: &mut impl Rng) {
         let points: Vec<DVec2> = if self.points_m.is_empty() {
+            // Drawn before the direction, and always both, so that either direction takes as many numbers.
             let [from, to] = [rng.random::<f64>(), rng.random::<f64>()];
             let width = frame.width_m();
             let height = frame.height_m();

@@ -67,6 +67,7 @@ impl ImportedField {
     /// # Errors
     /// Fails if the map is empty, ragged, too large, or not in one of the two forms; with the place.
     pub fn parse(text: &str, cell_m: f64) -> Result<Self, MapError> {
+        // Rows of a map cannot begin with a brace.
         if !text.trim_start().starts_with('{') {
             return parse_rows(text, cell_m);
         }
@@ -146,6 +147,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
         if row.is_empty() && cells.is_empty() {
             return Err(MapFault::Empty.at(span));
         }
+        // While reading, so that a file of gigabytes is refused early.
         if row.len() > MAX_CELLS_A_SIDE.into() || cells.len() >= MAX_CELLS_A_SIDE.into() {
             return Err(TOO_LARGE.at(span));
         }
@@ -156,6 +158,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
         start += line.len() + 1;
     }
     let (rows, cols) = (cells.len(), cells[0].len());
+    // Text has north at the top, a field has row 0 in the south.
     let occupied = Grid::from_values(rows, cols, cells.into_iter().rev().flatten().collect());
     let frame = frame_from(cols, rows, cell_m).map_err(|fault| fault.at(0..0))?;
     Ok(ImportedField { frame, occupied, doubts: Vec::new() })
@@ -222,7 +225,8 @@ pub(crate) fn json_fault(text: &str, error: &serde_json::Error, path: FieldPath)
     let message = error.to_string();
     let sentence = message.rsplit_once(" at line ").map_or(message.as_str(), |(sentence, _)| sentence);
     let is_of_a_member = error.is_data() && path != FieldPath::default();
-    let message = if is_of_a_member { fault_from_message(sentence, path).0.to_string() } else { sentence.to_owned() };
+    let message =
+        if is_of_a_member { fault_from_message(sentence, path).fault.to_string() } else { sentence.to_owned() };
     MapFault::Json { message }.at(character_at(text, at))
 }
 

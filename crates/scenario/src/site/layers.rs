@@ -88,10 +88,12 @@ impl Weights {
         let cols = frame.cols.into();
         let cell_m = frame.cell_m;
         let crs = layers.and_then(|it| it.crs.clone());
+        // The field as a raster without values, so that one comparison serves layers and weights.
         let field = Raster { rows, cols, west_m, south_m, cell_m, values: Vec::new(), nodata: None, crs };
         check_same_place(&raster, &field, &name, "the field")?;
         for index in 0..raster.values.len() {
             let value = raster.values[index];
+            // Without data nothing is ignited there.
             if raster.is_nodata(value) {
                 raster.values[index] = 0.0;
             } else if !(0.0..=f32::MAX).contains(&value) {
@@ -100,6 +102,7 @@ impl Weights {
                 return Err(format!("{name}: row {row}, column {col}: found {value}, expected a weight of 0 or more"));
             }
         }
+        // Weights that are all 0 would leave no cell to choose.
         let is_any = raster.values.iter().any(|&weight| weight > 0.0);
         if is_any {
             Ok(Self(PackedLayer::from_numbers(&raster.values)))
@@ -177,6 +180,7 @@ impl LayerReader {
     /// Returns a sentence that begins with the path and names row and column, counted from 0 at the north-west corner.
     pub fn read(&mut self, kind: LayerKind, path: &Path) -> Result<(), String> {
         let mut name = path.display().to_string();
+        // Several layers are often bands of one file, which is read once.
         let bands = match self.bands.take() {
             Some((before, bands)) if before == path => bands,
             _ => raster::read_bands(path).map_err(|error| error.to_string())?,
@@ -199,10 +203,12 @@ impl LayerReader {
         let band = &bands[number];
         let mut raster = kind.converted(band).map_err(|message| format!("{name}: {message}"))?;
         let is_without_unit = band.unit.is_none();
+        // Put back only now: `band` borrows from them.
         self.bands = Some((path.to_owned(), bands));
         if let Some((first, other)) = &self.first {
             check_same_place(&raster, first, &name, other)?;
         } else {
+            // The first layer decides which cells lie outside the data; later ones may add border cells.
             self.outside = rim(&raster);
         }
         // In the order of the file, so that what is named is its first fault.
@@ -230,12 +236,14 @@ impl LayerReader {
                 false => kind.expects(value),
             };
             if let Some(expected) = expected {
+                // The number itself is arbitrary and differs from file to file.
                 let found = if is_absent { "NODATA".to_owned() } else { value.to_string() };
                 return Err(format!("{name}: row {row}, column {col}: found {found}, expected {expected}"));
             }
         }
         let values = std::mem::take(&mut raster.values);
         if let LayerKind::Canopy(place) = kind
+            // A stated unit was converted; only without one may numbers be in another.
             && is_without_unit
         {
             self.doubts.extend(doubt_of_trees(place, &values, &name));
@@ -247,6 +255,7 @@ impl LayerReader {
             LayerKind::Aspect => self.aspect = Some(values),
             LayerKind::Canopy(place) => self.canopy[place] = Some(values),
         }
+        // Kept without its values, as the place that others are compared with.
         if self.first.is_none() {
             self.first = Some((raster, name));
         }
@@ -267,11 +276,13 @@ impl LayerReader {
             let cells = if outside == 1 { "1 cell".to_owned() } else { format!("{outside} cells") };
             self.doubts.insert(0, format!("Nothing burns in {cells} at the rim of {name} without data, {share} %."));
         }
+        // Slopes at the rim need heights beyond it.
         if let Some(elevation) = &mut self.elevation {
             continue_into_rim(elevation, first.cols);
         }
         if let [Some(tops), Some(bases), ..] = &self.canopy {
             let upside_down = tops.iter().zip(bases).filter(|(top, base)| **top > 0.0 && base >= top).count();
+            // A few such cells are errors of the data; many point to a unit.
             if 10 * upside_down > tops.iter().filter(|&&top| top > 0.0).count() {
                 self.doubts.push(format!(
                     "In {upside_down} cells crowns begin at or above the tops of the trees: one of both rasters may be in \
@@ -279,6 +290,7 @@ impl LayerReader {
                 ));
             }
         }
+        // Outside the data nothing is known, so nothing burns.
         for (fuel, _) in self.fuel.iter_mut().flatten().zip(&self.outside).filter(|&(_, &is_outside)| is_outside) {
             *fuel = 0;
         }
@@ -331,6 +343,7 @@ fn continue_into_rim(elevation: &mut [f32], cols: usize) {
     if has_value.iter().all(|&is_valid| is_valid) {
         return;
     }
+    // Breadth first, so that every cell continues from the nearest ones with data.
     let mut open: VecDeque<usize> = (0..elevation.len()).filter(|&index| has_value[index]).collect();
     while let Some(index) = open.pop_front() {
         for cell in around(index, cols, rows) {
@@ -394,6 +407,7 @@ fn check_same_place(raster: &Raster, first: &Raster, name: &str, other: &str) ->
             "{name}: it is in the coordinate system EPSG:{found}, expected EPSG:{expected} as in {other}"
         ));
     }
+    // Programs round cell sizes and corners differently.
     if (raster.cell_m - first.cell_m).abs() > SAME_SIDE * first.cell_m {
         return Err(format!("{name}: its cells are of {} m, expected {} m as in {other}", raster.cell_m, first.cell_m));
     }
@@ -450,6 +464,7 @@ impl LayerKind {
     /// Returns the band that holds this layer: by its name, such as `US_240FBFM40` or `LC22_F40_230`, or, where no band has a
     /// name, in the order of LANDFIRE's stacks.
     fn band(self, bands: &[Band]) -> Option<TakenBand> {
+        // Without names the order of landscape files decides, which have 5, 8 or 10 bands.
         if bands.iter().all(|band| band.name.is_none()) {
             let place = Self::ALL.iter().position(|kind| *kind == self)?;
             let number = Some(place).filter(|place| [5, 8, 10].contains(&bands.len()) && *place < bands.len())?;
@@ -460,6 +475,7 @@ impl LayerKind {
         {
             found.extend(self.codes().iter().position(|code| has_code(name, code)).map(|rank| (rank, number)));
         }
+        // By the rank of the code, so that the preferred one comes first wherever it is in the file.
         found.sort_unstable();
         let (&(rank, number), others) = found.split_first()?;
         let others: Vec<String> = others.iter().map(|(_, other)| (other + 1).to_string()).collect();
@@ -488,6 +504,7 @@ impl LayerKind {
         let of_heights = band.height_unit.as_deref().filter(|_| self == Self::Elevation);
         let stated = band.unit.as_deref().or(of_heights).or(of_name.map(|_| "percent"));
         let mut raster = band.raster.clone();
+        // Fuel numbers have no unit, whatever a file says.
         let Some(unit) = stated.filter(|unit| !unit.trim().is_empty() && self != Self::Fuel) else { return Ok(raster) };
         let convert = self.conversion(unit).ok_or_else(|| {
             let unit = wildfire_base::untrusted::visible_start(unit);
@@ -506,6 +523,7 @@ impl LayerKind {
         })?;
         for index in 0..raster.values.len() {
             let value = raster.values[index];
+            // A converted NODATA value would be taken for data.
             if !raster.is_nodata(value) {
                 raster.values[index] = convert(value.into()) as f32;
             }
@@ -517,6 +535,7 @@ impl LayerKind {
     fn conversion(self, unit: &str) -> Option<Box<dyn Fn(f64) -> f64>> {
         let unit = unit.trim().to_lowercase();
         let (base, parts) = unit.rsplit_once(" x ").map_or((&unit[..], "1"), |(base, parts)| (base, parts));
+        // A part that is not a number makes the size NaN, which is refused below.
         let size = length_m(base).map(|size| size / parts.parse::<f64>().unwrap_or(f64::NAN));
         let percent = ["%", "percent", "per cent"].contains(&base);
         let degrees = ["degree", "degrees", "deg", "\u{b0}", "azimuth degrees"].contains(&base);
@@ -527,6 +546,7 @@ impl LayerKind {
                 Box::new(move |length| size * length)
             }
             Self::Canopy(0 | 1) => {
+                // Canopy heights are whole tenths of metres here.
                 let tenths = 10.0 * size.filter(|size| size.is_finite())?;
                 Box::new(move |length| (tenths * length).round())
             }
@@ -573,9 +593,11 @@ impl LayerKind {
         let mut count = 0.0;
         let mut turned = 0.0;
         let mut azimuth = 0.0;
+        // A sample is enough for means, and large rasters have billions of cells.
         let step = (rows * cols / 100_000).max(1);
         for index in (0..rows * cols).step_by(step) {
             let (row, col) = (index / cols, index % cols);
+            // Horn's slope needs all eight neighbours.
             if row == 0 || col == 0 || row + 1 == rows || col + 1 == cols {
                 continue;
             }
@@ -599,6 +621,7 @@ impl LayerKind {
                 slope.add(found.into(), rise);
             }
             if let Some(found) = aspects.as_ref().map(|(_, it)| it.value(row, col))
+                // Where the ground is nearly level its aspect is noise.
                 && expected > MIN_DEG
                 && (0.0..=360.0).contains(&found)
             {
@@ -609,7 +632,9 @@ impl LayerKind {
             }
         }
         let of_slopes = slopes.map_or(0, |(number, _)| number);
+        // Level ground fits any unit.
         if slope.expected[0] > MIN_DEG * slope.count && slope.errors[0] > TOLERANCE * slope.expected[0] {
+            // A unit is named only if it explains what is found; else the data may simply be of another place.
             let fits = |way: usize| slope.errors[way] < TOLERANCE * slope.expected[way];
             if fits(1) {
                 return Some(format!(
@@ -757,9 +782,9 @@ impl ImportedLayers {
         }
     }
 
-    /// Says whether files give the fuel, and whether they give the relief.
-    pub fn gives(&self) -> (bool, bool) {
-        (self.fuel.is_some(), self.elevation.is_some() || self.gradient.is_some())
+    /// Says whether files give the fuel or the relief.
+    pub fn gives_ground(&self) -> bool {
+        self.fuel.is_some() || self.elevation.is_some() || self.gradient.is_some()
     }
 
     /// Checks layers that were not read from rasters but from a plan.

@@ -15,13 +15,14 @@ const START_CLEARANCE_M: f64 = 0.05;
 /// Returns the free pose nearest to where a truck is wanted, at which it keeps its margin to those that stand already;
 /// `None` if there is none.
 pub fn free_start(
-    (body, wanted): (&Dimensions, Pose),
+    body: &Dimensions,
+    wanted: Pose,
     field: &ClearanceField,
     checker: &CollisionChecker,
     standing: &[(Dimensions, Pose)],
 ) -> Option<Pose> {
     let keeps_apart =
-        |pose: &Pose| standing.iter().all(|(other, at)| gap_between((body, *pose), (other, *at)) >= TRUCK_MARGIN_M);
+        |pose: &Pose| standing.iter().all(|(other, at)| gap_between(body, *pose, other, *at) >= TRUCK_MARGIN_M);
     nearest_free_pose(field.frame(), wanted, |pose| checker.pose_is_free(*pose, START_CLEARANCE_M) && keeps_apart(pose))
 }
 
@@ -33,7 +34,7 @@ pub(crate) fn first_without_place(
     let mut standing = Vec::new();
     trucks.position(|(body, wanted)| {
         let checker = CollisionChecker::new(Arc::clone(field), body);
-        let start = free_start((&body, wanted), field, &checker, &standing);
+        let start = free_start(&body, wanted, field, &checker, &standing);
         standing.extend(start.map(|start| (body, start)));
         start.is_none()
     })

@@ -145,6 +145,7 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
     if let Some(settings) = &scenario.weather {
         moistures.extend(settings.moisture.iter().map(|change| (change.at_s, change.moisture())));
         let mut rng = rng::stream(seed, "weather");
+        // A drawn day replaces what the scenario says, as far as it has columns.
         if let Some(row) = settings.draw_row(&mut rng) {
             if let Some([speed_mps, toward_deg]) = row.wind {
                 winds = vec![WindChange { at_s: 0.0, speed_mps, toward_deg }];

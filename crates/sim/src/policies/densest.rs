@@ -93,10 +93,9 @@ impl Densest {
             for cell in ring_around(frame, middle, ring).filter(|&cell| seen.is_option(agent.id, cell)) {
                 let place = frame.centre(cell);
                 let worth = self.worth(self.thickness(seen, cell) as f64, place, agent.place, &others);
-                let is_better = |(max, so_far): (f64, Cell)| {
+                if best.is_none_or(|(max, so_far)| {
                     worth > max || (worth == max && frame.index(cell) < frame.index(so_far))
-                };
-                if best.is_none_or(is_better) {
+                }) {
                     best = Some((worth, cell));
                 }
             }

@@ -300,6 +300,7 @@ impl PolicySet {
         options_of: &dyn ActionMask<Entity>,
     ) -> Vec<(Entity, Action)> {
         let PolicyQuery { now, fires, mut agents, queried } = inquiry;
+        // Views come in the order of the world's storage, which policies must not depend on.
         agents.sort_by_key(|agent| agent.id);
         let entity_of = |id: AgentId| queried.iter().find(|&&(other, _)| other == id).map(|&(_, entity)| entity);
         let ids: Vec<AgentId> = queried.iter().map(|&(id, _)| id).collect();

@@ -94,6 +94,7 @@ impl Backend {
 impl WasmInstance {
     fn exchange(&mut self, message: &[u8], budget: u64) -> Result<Vec<u8>, ProcessError> {
         let answer = self.instance.exchange(message, budget, self.instructions);
+        // Shown even if the query failed: it often says why.
         for line in String::from_utf8_lossy(&self.instance.stderr()).lines() {
             if self.stderr_lines < MAX_STDERR_LINES {
                 say(&self.name, line);
@@ -111,6 +112,7 @@ impl WasmInstance {
                 (instructions, Err(ProcessError { kind, message }))
             }
         };
+        // Failed queries count too, so that failing is not cheap.
         self.instructions = self.instructions.saturating_add(instructions);
         answer
     }

@@ -97,6 +97,7 @@ impl ExternalClient {
             None => {
                 let (started, built) = ProgramSession::start(&program, &field, program.start_instructions);
                 let mut session = started?;
+                // Its start has a budget of its own.
                 session.peer.take_instructions();
                 (session, built)
             }
@@ -116,6 +117,7 @@ impl ExternalClient {
         query: impl FnOnce(u64) -> Vec<u8>,
         check: impl FnOnce(&FromProgram) -> Result<(), &'static str>,
     ) -> Reply {
+        // A program that never answers in time would cost its whole budget at every query.
         if self.spent_in_a_row == MAX_SPENT_IN_A_ROW {
             let budget = self.program.query_instructions;
             let message =
@@ -142,6 +144,7 @@ impl ExternalClient {
                 Err(reason) => refuse(&reason),
                 Ok(answer) => match (check(&answer), answer.id()) {
                     (Err(reason), _) => refuse(reason),
+                    // An answer to an earlier query, which this one must not get.
                     (Ok(()), Some(id)) if id != number => refuse(&format!("`id` is {id}; expected {number}")),
                     _ => Ok(answer),
                 },

@@ -58,6 +58,7 @@ impl TruckPlanner for ProgramPlanner {
         let counted =
             instructions.map(|count| u32::try_from(count.div_ceil(INSTRUCTIONS_PER_EXPANSION)).unwrap_or(u32::MAX));
         let effort = |reported: Option<u32>| Effort {
+            // At least some, so that a program cannot plan for nothing by reporting none.
             local_expansions: counted.or(reported).unwrap_or(0).max(min),
             ..Effort::default()
         };

@@ -104,7 +104,9 @@ impl ProgramPool {
             let bodies = Arc::clone(&bodies);
             let make = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
+                // Cut to what numbers of JSON hold exactly.
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
+                // A policy gets one body: that of its first truck.
                 let first = site.plays.iter().find(|agent| agent.role.drives());
                 let body = first.and_then(|agent| bodies.get(usize::from(agent.number)));
                 let cells: Vec<[u16; 2]> = site.bushes.iter().copied().map(column_and_row).collect();

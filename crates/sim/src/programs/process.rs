@@ -74,10 +74,12 @@ impl Process {
         let (reader, to) = io::pipe().map_err(cannot)?;
         let (from, writer) = io::pipe().map_err(cannot)?;
         let (control, other_end) = UnixStream::pair().map_err(cannot)?;
+        // Neither end may block: a program that reads nothing while it writes would hold both.
         for fd in [to.as_fd(), from.as_fd(), control.as_fd()] {
             fcntl(fd, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).map_err(|error| cannot(error.into()))?;
         }
         let mut command = supervisor::command(program.limits, &program.folder, &program.command).map_err(cannot)?;
+        // The supervisor's stderr is its control socket; the program's own goes through it.
         command.stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
         let supervisor = command.spawn().map_err(|error| {
             ProcessError::crashed(format!("has no supervisor: {}: {error}", command.get_program().to_string_lossy()))
@@ -132,12 +134,14 @@ impl Process {
         let mut output_closed: Option<WallStopwatch> = None;
         let mut is_writable = true;
         loop {
+            // Sent piece by piece between reads, as a long message fills the pipe.
             if is_writable && !unsent.is_empty() {
                 unsent = self.send(unsent);
             }
             if let Some(line) = self.take_line() {
                 return Ok(line);
             }
+            // Without a bound a program that writes no newline would fill the memory.
             if self.received.len() >= MAX_MESSAGE_BYTES {
                 let problem = format!("it is longer than {MAX_MESSAGE_BYTES} bytes");
                 return Err(ProcessError::bad_answer(&self.received, &problem));
@@ -159,6 +163,7 @@ impl Process {
                 }
                 wait = wait.min(LAST_BREATH);
             }
+            // Looked up before each wait, which ends no later than the limit can be reached.
             if let Some(CpuLimit { limit, from }) = allowance.cpu
                 && let Some(now) = self.cpu()
             {
@@ -282,6 +287,7 @@ impl Process {
             }
             Report::Stderr { line } => {
                 say(&self.name, &line);
+                // The last words are part of the error message.
                 if !line.trim().is_empty() {
                     self.fate.last_stderr = Some(line);
                 }

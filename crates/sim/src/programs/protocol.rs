@@ -345,12 +345,14 @@ fn first_of<'de, const KEPT: usize, T: Deserialize<'de>, D: Deserializer<'de>>(
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
             let mut items = Vec::new();
+            // The list may be as long as a program likes; only its beginning takes memory.
             while items.len() < KEPT {
                 match seq.next_element()? {
                     Some(item) => items.push(item),
                     None => return Ok(items),
                 }
             }
+            // Read to its end, so that what follows it can be parsed.
             while seq.next_element::<IgnoredAny>()?.is_some() {}
             Ok(items)
         }
@@ -401,6 +403,7 @@ impl FromProgram {
             Line,
         }
         let text = str::from_utf8(line).map_err(|_| "it is no UTF-8 text".to_owned())?;
+        // The usual mistake: a program prints to stdout for people.
         if !text.trim_start().starts_with('{') {
             return Err("it is no JSON object; what is meant for people goes to stderr".to_owned());
         }

@@ -204,6 +204,7 @@ fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
     pipe::register(SIGCHLD, handler)?;
 
     let mut command = Command::new(task.program);
+    // A process group of its own, so that its children end with it; without the mark it may start supervisors itself.
     command.args(task.arguments).current_dir(task.folder).env_remove(MARK).process_group(0);
     let spawned = command.stdin(Stdio::inherit()).stdout(Stdio::inherit()).stderr(Stdio::piped()).spawn();
     let mut child = match spawned {
@@ -223,6 +224,7 @@ fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
     dup2_stdin(&nowhere)?;
     dup2_stdout(&nowhere)?;
     let counter = Arc::new(Mutex::new(0));
+    // A thread, as a full pipe would stop the program whatever else happens.
     let reader = child.stderr.take().map(|stderr| {
         let outbox = Arc::clone(&outbox);
         let counter = Arc::clone(&counter);
@@ -241,6 +243,7 @@ fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
         killing: None,
     };
     watch.until_all_are_gone();
+    // Children that live on may hold the pipe open: then its end is not waited for.
     if let Some(Ok(reader)) = reader
         && !watch.has_timed_out()
     {
@@ -324,6 +327,7 @@ fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, counter: &Mutex<u64>) {
         let report = match count {
             ..=MAX_STDERR_LINES => Report::Stderr { line },
             _ => {
+                // Lines beyond the bound are not sent, but the last one often names the error.
                 last = Some(line);
                 if count > MAX_STDERR_LINES + 1 {
                     continue;
@@ -332,6 +336,7 @@ fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, counter: &Mutex<u64>) {
             }
         };
         let mut waiting = outbox.send(&report);
+        // A program that writes faster than its reports are read waits here.
         while waiting > MAX_WAITING {
             pause(TICK);
             waiting = outbox.flush();
@@ -356,6 +361,7 @@ fn line_of_limited_length(reader: &mut impl BufRead) -> Option<String> {
         has_input = true;
         let end = bytes.iter().position(|&byte| byte == b'\n');
         let part = &bytes[..end.unwrap_or(bytes.len())];
+        // What is too long is read on and dropped, so that the next line begins where it does.
         line.extend_from_slice(&part[..part.len().min(MAX_STDERR_LINE_BYTES - line.len())]);
         let used = end.map_or(bytes.len(), |end| end + 1);
         reader.consume(used);
@@ -420,6 +426,7 @@ impl ProcessWatch {
     fn reap(&mut self) -> bool {
         let (mut has_reaped, mut ending) = (false, None);
         let has_more = loop {
+            // All that have ended: signals of several may come as one.
             let status = match waitpid(None, Some(WaitPidFlag::WNOHANG)) {
                 Ok(WaitStatus::StillAlive) => break true,
                 Ok(status) => status,
@@ -440,6 +447,7 @@ impl ProcessWatch {
         }
         if let Some(how) = ending {
             self.outbox.send(&Report::Ended { how });
+            // Without the program nobody reads its children's work.
             self.kill_group();
         }
         has_more
@@ -491,6 +499,7 @@ impl ProcessWatch {
         };
         while let Some(end) = self.orders.iter().position(|&byte| byte == b'\n') {
             let line: Vec<u8> = self.orders.drain(..=end).collect();
+            // A command that cannot be understood ends the program, which is the safe side.
             match serde_json::from_slice(&line) {
                 Ok(SupervisorCommand::End) => self.ending = Some(WallStopwatch::start()),
                 Ok(SupervisorCommand::NextRun) => *self.stderr_lines.lock().unwrap_or_else(PoisonError::into_inner) = 0,
@@ -499,6 +508,7 @@ impl ProcessWatch {
         }
         if is_closed {
             self.control = None;
+            // The simulation is gone, perhaps killed: its programs must not live on.
             if self.ending.is_none() {
                 self.kill_group();
             }

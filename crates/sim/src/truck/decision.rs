@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use super::drive::DepartureContext;
+use super::drive::{Departure, DepartureContext};
 use super::{Blocked, DecisionState, Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
@@ -27,7 +27,7 @@ const MAX_GOALS: usize = 6;
 
 /// The result of a choice.
 pub enum DecisionOutcome {
-    SetsOut(Drive, Trajectory),
+    SetsOut(Departure),
     Relocates(Relocation),
     /// Planning time of a failed plan is charged.
     Thinks,
@@ -74,8 +74,10 @@ impl Truck {
             // The goal may itself be one that the planner had failed on and the flood reached.
             return unclaimed.filter(|cell| agent.goal == Some(*cell) || !self.failed_goals.contains(cell)).collect();
         }
+        // Of another revision it is about a decision that is over.
         let state = self.deliberation.as_ref().filter(|state| state.revision == agent.revision);
         let blocked = state.map_or(&[][..], |state| &state.blocked);
+        // A scenario limits how many blocked goals a truck tries before it waits.
         if blocked.len() >= self.traffic.goals as usize {
             return Vec::new();
         }
@@ -106,15 +108,17 @@ fn depart_or_wait(
     state: &mut DecisionState,
 ) -> Option<DecisionOutcome> {
     let by_flood = drive.is_by_flood();
+    // A drive by the flood is a last resort: no other search would find a path.
     let may_lead_elsewhere = truck.traffic.plan == TrafficPlan::Together && !by_flood;
     match truck.depart(drive, outset) {
         // Others pass: another path may arrive before they are gone.
-        Ok((drive, leg)) if may_lead_elsewhere && leg.sets_out_at() > leg.start_time() => {
-            let other = truck.plan_among(&drive, outset, &mut agent.cost);
-            let (drive, leg) = other.filter(|(_, other)| other.end_time() < leg.end_time()).unwrap_or((drive, leg));
-            Some(DecisionOutcome::SetsOut(drive, leg))
+        Ok(first) if may_lead_elsewhere && first.leg.sets_out_at() > first.leg.start_time() => {
+            let other = truck.plan_among(&first.drive, outset, &mut agent.cost);
+            let earlier = other.filter(|other| other.leg.end_time() < first.leg.end_time());
+            Some(DecisionOutcome::SetsOut(earlier.unwrap_or(first)))
         }
-        Ok((drive, leg)) => Some(DecisionOutcome::SetsOut(drive, leg)),
+        Ok(departure) => Some(DecisionOutcome::SetsOut(departure)),
+        // Its path is the only one known, so it waits at once.
         Err(blocked) if by_flood => Some(DecisionOutcome::Waits(vec![blocked])),
         Err(blocked) => {
             // Looking for a way round is expensive: once for every truck that is in the way.
@@ -125,10 +129,11 @@ fn depart_or_wait(
             } else {
                 None
             };
+            // Kept, so that it can wait for the best of them if no goal is left.
             if detour.is_none() {
                 state.blocked.push(blocked);
             }
-            detour.map(|(drive, leg)| DecisionOutcome::SetsOut(drive, leg))
+            detour.map(DecisionOutcome::SetsOut)
         }
     }
 }
@@ -154,14 +159,18 @@ impl Fleet<'_, '_> {
         if truck.deliberation.as_ref().is_some_and(|state| state.revision == agent.revision) {
             return;
         }
+        // A fire that is out is no option, and one that begins there later may be reachable.
         truck.failed_goals.retain(|&cell| fires.is_burning(cell));
+        // Under way its tracks are recorded when the leg ends.
         if agent.goal.is_none() {
             truck.tracks.record(driven(&agent.trajectory));
+            // A leg without pieces: it keeps the place where it decides, also for reservations.
             agent.trajectory = Trajectory::new(now, agent.trajectory.pose_at(now), Vec::new());
         }
         let before = std::mem::take(&mut truck.blocked);
         let blocked = Vec::new();
         let spent = Effort::default();
+        // Noted, so that the decision's own share can be told at its end.
         let cpu = agent.cost.total();
         let revision = agent.revision;
         let activity = agent.activity;
@@ -174,6 +183,7 @@ impl Fleet<'_, '_> {
         self.deliberate(entity, fires);
         let options = self.options(entity, &[entity], fires);
         let goal = match choice {
+            // Policies are free to answer anything; what is no option counts as no goal.
             Action::Go(cell) if options.contains(&cell) => Some(cell),
             _ => None,
         };
@@ -182,6 +192,7 @@ impl Fleet<'_, '_> {
             self.keep_or_drop_goal(entity, goal, options.is_empty());
             return;
         }
+        // The order matters: a refill comes before giving up the search, and staying is the last.
         let conclusion = match goal {
             Some(goal) => self.try_goal(entity, goal, fires),
             None if choice == Action::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
@@ -190,6 +201,7 @@ impl Fleet<'_, '_> {
             None => Some(DecisionOutcome::Stays(choice.until())),
         };
         let concluded = conclusion.and_then(|conclusion| self.conclude(entity, conclusion, cpu_log));
+        // Only a change can unblock others; without one they would be woken in turn forever.
         if concluded.is_some_and(|concluded| concluded.has_new_plans || concluded.is != concluded.was) {
             self.wake_blocked(entity);
         }
@@ -217,7 +229,9 @@ impl Fleet<'_, '_> {
         let pose = agent.trajectory.start();
         let delay = state.delay;
         let outset = DepartureContext { now, pose, frame: fires.frame(), traffic, delay };
+        // The planner is not asked for the same goal twice.
         let by_flood = truck.failed_goals.contains(&goal);
+        // It has not moved since it was blocked, so the same query would find the same drive.
         let searched = state.before.iter().map(|blocked| &blocked.drive);
         let searched = searched.filter(|drive| drive.is_by_flood() == by_flood).find(|drive| drive.goal == goal);
         let drive = if let Some(searched) = searched {
@@ -236,6 +250,7 @@ impl Fleet<'_, '_> {
                     let until = now + truck.charge(&effort);
                     truck.failed_goals.push(goal);
                     agent.answer(now, AgentFact::PlanFailed { goal, reason, effort, until }, &mut self.recorder);
+                    // The time that a failure takes is charged like that of a plan.
                     if until > now {
                         truck.deliberation = Some(state);
                         agent.wait_until(entity, until, &mut self.queue);
@@ -265,8 +280,10 @@ impl Fleet<'_, '_> {
         let mut nearest = options.to_vec();
         nearest.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
         let first = *nearest.first()?;
+        // The drive to far goals is rarely the shortest, and each goal makes the search larger.
         nearest.truncate(MAX_GOALS);
         nearest.retain(|cell| !truck.failed_goals.contains(cell));
+        // Without a rule of distance every pose is at the goal.
         if nearest.len() > 1 && truck.reach_m.is_finite() {
             let mut state = truck.deliberation.take()?;
             let traffic = Traffic::new(&reservations, entity);
@@ -275,6 +292,7 @@ impl Fleet<'_, '_> {
             let has_drive = drive.is_some();
             let conclusion = drive.and_then(|drive| depart_or_wait(agent, truck, drive, outset, &mut state));
             truck.deliberation = Some(state);
+            // A drive that is blocked counts too: the policy then chooses among the other goals.
             if has_drive {
                 return conclusion;
             }
@@ -284,6 +302,7 @@ impl Fleet<'_, '_> {
 
     /// Ends a search without options: the truck looks for a drive around those that block it, waits for them, or rests.
     pub fn stop_looking(&mut self, entity: Entity, fires: &FireField) -> DecisionOutcome {
+        // Looked up before the truck is borrowed.
         let nothing_burns = self.unclaimed(&[entity], fires).is_empty();
         let is_too_hot = self.is_too_hot(entity, fires);
         let now = self.now();
@@ -300,6 +319,7 @@ impl Fleet<'_, '_> {
             (std::mem::take(&mut state.blocked), state.before.first().map(Blocked::reason), state.delay)
         });
         let Some(first) = blocked.first() else { return DecisionOutcome::Rests(rests) };
+        // With detours for each blocked drive they were tried when it was blocked.
         let tried = match truck.traffic.plan {
             _ if truck.traffic.detours == Detours::Each => 0,
             TrafficPlan::Alone => usize::from(before != Some(first.reason())),
@@ -310,8 +330,8 @@ impl Fleet<'_, '_> {
             let pose = agent.trajectory.start();
             let frame = fires.frame();
             let outset = DepartureContext { now, pose, frame, traffic, delay };
-            if let Some((drive, leg)) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
-                return DecisionOutcome::SetsOut(drive, leg);
+            if let Some(departure) = truck.detour(&blocked.drive, outset, &mut agent.cost) {
+                return DecisionOutcome::SetsOut(departure);
             }
         }
         DecisionOutcome::Waits(blocked)
@@ -328,12 +348,10 @@ impl Fleet<'_, '_> {
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let state = truck.deliberation.take()?;
         cpu_log.add(now, agent.id, agent.cost.total() - state.cpu);
-        let has_new_plans = matches!(
-            conclusion,
-            DecisionOutcome::SetsOut(..) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks
-        );
+        let has_new_plans =
+            matches!(conclusion, DecisionOutcome::SetsOut(_) | DecisionOutcome::Relocates(_) | DecisionOutcome::Thinks);
         match conclusion {
-            DecisionOutcome::SetsOut(drive, leg) => self.set_out(entity, drive, leg),
+            DecisionOutcome::SetsOut(Departure { drive, leg }) => self.set_out(entity, drive, leg),
             DecisionOutcome::Relocates(Relocation { place, leg, effort, found_by }) => {
                 truck.tracks.set_out(0.0);
                 let (x_m, y_m) = (place.x, place.y);
@@ -354,9 +372,11 @@ impl Fleet<'_, '_> {
                 if state.before.first().map(Blocked::reason) != Some((goal, by)) {
                     self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
                 }
+                // Void what is scheduled for the decision that ends here.
                 agent.revision += 1;
                 agent.activity = Activity::Blocked;
                 truck.blocked = blocked;
+                // Whether all wait for each other is seen when all decisions of this instant are made.
                 self.queue.push_for(now, AgentEvent::Deadlock, agent.wake(entity));
             }
         }
@@ -368,6 +388,7 @@ impl Fleet<'_, '_> {
 /// Lets trucks whose turn it is follow their policies, keep their goals, wait for other trucks, or rest.
 pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResources) {
     let (now, fires) = (fleet.now(), &fires.field);
+    // One at a time: what one truck decides changes the options of the next.
     while let Some(wake) = fleet.queue.next_for(now, AgentEvent::Decision, |entity| fleet.trucks.contains(entity)) {
         let (agent, _) = fleet.trucks.one(wake.agent);
         let policy = *resources.followers.get(wake.agent).expect("every truck follows a policy");
@@ -391,6 +412,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResour
                 let (agent, _) = fleet.trucks.one(due.agent);
                 let is_meant = agent.revision == due.revision && agent.activity != Activity::Suppressing;
                 let who = (agent.id, due.agent);
+                // All that are due and follow this policy are asked at once; a truck may be due more than once.
                 if is_meant && resources.followers.get(due.agent) == Ok(&policy) && !queried.contains(&who) {
                     queried.push(who);
                 }
@@ -400,6 +422,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResour
             let inquiry = PolicyQuery { now, fires, agents, queried };
             resources.following.ask(policy, inquiry, &|entity: Entity| fleet.options(entity, &[entity], fires))
         };
+        // An external policy has not answered yet: the run pauses here.
         if choices.is_empty() {
             return;
         }

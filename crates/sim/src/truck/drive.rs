@@ -1,16 +1,18 @@
 //! How a truck gets to a goal: by its planner, by the reachability flood, or around the trucks that block it.
 
+use super::tracks::RetracedPath;
 use super::{Blocked, Drive, Truck};
 use crate::recorder::Recorder;
 use crate::run::AgentCost;
-use crate::traffic::{Traffic, after_waiting};
+use crate::traffic::{Meeting, Traffic, after_waiting};
 use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::trajectory::Trajectory;
-use wildfire_base::vehicle::Path;
 use wildfire_planning::traffic::{BlockedLeg, plan_among, replan_around};
-use wildfire_planning::{CpuSource, Effort, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, plan_to_nearest};
+use wildfire_planning::{
+    CpuSource, Effort, Found, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, QueryRecord, plan_to_nearest,
+};
 use wildfire_scenario::TrafficPlan;
 
 /// Legs that a truck backs out of a pocket before it goes all the way back to its start.
@@ -30,6 +32,13 @@ pub struct DepartureContext<'a> {
     pub delay: SimTime,
 }
 
+/// A drive, and its leg.
+#[derive(Debug)]
+pub struct Departure {
+    pub drive: Drive,
+    pub leg: Trajectory,
+}
+
 impl Truck {
     fn disc(&self, frame: &FieldFrame, cell: Cell) -> GoalDisc {
         GoalDisc { centre: frame.centre(cell), radius_m: self.reach_m }
@@ -47,7 +56,7 @@ impl Truck {
         recorder: &mut Recorder,
     ) -> Result<Drive, (PlanFailure, Effort)> {
         let disc = self.disc(outset.frame, goal);
-        let (path, found_by) = self.query(disc, outset, spent, cost, recorder)?;
+        let Found { path, by: found_by } = self.query(disc, outset, spent, cost, recorder)?;
         Ok(Drive { goal, path, back_m: 0.0, effort: *spent, found_by })
     }
 
@@ -64,7 +73,7 @@ impl Truck {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let planner = &mut **self.planner.lock();
         let (index, plan) = plan_to_nearest(planner, &self.body, outset.pose, &discs, &mut monitor)?;
-        let (path, found_by) = finish_query(plan, monitor, outset.now, spent, cost, recorder).ok()?;
+        let Found { path, by: found_by } = finish_query(plan, monitor, outset.now, spent, cost, recorder).ok()?;
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }
 
@@ -76,7 +85,7 @@ impl Truck {
         spent: &mut Effort,
         cost: &mut AgentCost,
         recorder: &mut Recorder,
-    ) -> Result<(Path, FoundBy), (PlanFailure, Effort)> {
+    ) -> Result<Found, (PlanFailure, Effort)> {
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let plan = self.planner.lock().plan_observed(outset.pose, disc.into(), &mut monitor);
         finish_query(plan, monitor, outset.now, spent, cost, recorder).map_err(|reason| (reason, std::mem::take(spent)))
@@ -94,12 +103,12 @@ impl Truck {
         let DepartureContext { pose, frame, .. } = outset;
         let disc = self.disc(frame, goal);
         let near = if disc.radius_m.is_finite() { disc } else { GoalDisc { radius_m: REACH_WITHOUT_RULE_M, ..disc } };
+        // The flood is exact enough for a no: then no search is tried.
         if !self.reachability.lock().reaches(near) {
             return None;
         }
         let mut effort = Effort::default();
-        let (path, expansions) = self.reachability.lock().search(pose, near);
-        effort.local_expansions += expansions;
+        let path = self.reachability.lock().search(pose, near, &mut effort.local_expansions);
         if let Some(path) = path {
             return Some(Drive { goal, path, back_m: 0.0, effort, found_by: FoundBy::Reachability });
         }
@@ -113,32 +122,27 @@ impl Truck {
                 cost.add_query(cpu);
             }
             if let Ok(path) = plan.path {
-                let (path, back_m) = self.tracks.lead_back(pose, legs, path);
+                let RetracedPath { path, back_m } = self.tracks.retrace(pose, legs, path);
                 return Some(Drive { goal, path, back_m, effort, found_by: FoundBy::BackingOut });
             }
         }
         let path = self.reachability.lock().path_to(near)?;
-        let (path, back_m) = self.tracks.lead_back(pose, self.tracks.legs(), path);
+        let RetracedPath { path, back_m } = self.tracks.retrace(pose, self.tracks.legs(), path);
         Some(Drive { goal, path, back_m, effort, found_by: FoundBy::WayHome })
     }
 
     /// Returns the drive with its leg, which begins as soon as the other trucks allow.
-    pub fn depart(&self, drive: Drive, outset: DepartureContext<'_>) -> Result<(Drive, Trajectory), Blocked> {
+    pub fn depart(&self, drive: Drive, outset: DepartureContext<'_>) -> Result<Departure, Blocked> {
         let ready = outset.now + outset.delay + self.charge(&drive.effort);
         let leg = self.leg(&drive.path, ready);
         match outset.traffic.departure(&self.body, &leg) {
-            Ok(leg) => Ok((drive, leg)),
+            Ok(leg) => Ok(Departure { drive, leg }),
             Err(by) => Err(Blocked { drive, by }),
         }
     }
 
     /// Finds a drive to the same goal that the trucks which block it leave free.
-    pub fn detour(
-        &mut self,
-        blocked: &Drive,
-        outset: DepartureContext<'_>,
-        cost: &mut AgentCost,
-    ) -> Option<(Drive, Trajectory)> {
+    pub fn detour(&mut self, blocked: &Drive, outset: DepartureContext<'_>, cost: &mut AgentCost) -> Option<Departure> {
         match self.traffic.plan {
             TrafficPlan::Alone => self.replan_around(blocked, outset, cost),
             TrafficPlan::Together => self.plan_among(blocked, outset, cost),
@@ -151,19 +155,20 @@ impl Truck {
         blocked: &Drive,
         outset: DepartureContext<'_>,
         cost: &mut AgentCost,
-    ) -> Option<(Drive, Trajectory)> {
+    ) -> Option<Departure> {
         let disc = self.disc(outset.frame, blocked.goal);
+        // Without a rule of distance there is no disc to plan into.
         if disc.radius_m.is_infinite() {
             return None;
         }
         let mut stopwatch = CpuStopwatch::start();
+        // Only places matter here: what stands on the path stands there at any time.
         let leg = self.leg(&blocked.path, SimTime::ZERO);
         let free_m = outset.traffic.free_m(&self.body, &leg)?;
-        let (path, spent) =
-            replan_around(&outset.traffic.with_others_standing(&self.checker), &blocked.path, free_m, disc);
-        cost.local_search += stopwatch.elapsed_since_last();
+        let checker = outset.traffic.with_others_standing(&self.checker);
         let mut effort = blocked.effort;
-        effort += spent;
+        let path = replan_around(&checker, &blocked.path, free_m, disc, &mut effort);
+        cost.local_search += stopwatch.elapsed_since_last();
         self.depart(Drive { path: path?, effort, ..blocked.clone() }, outset).ok()
     }
 
@@ -173,7 +178,7 @@ impl Truck {
         blocked: &Drive,
         outset: DepartureContext<'_>,
         cost: &mut AgentCost,
-    ) -> Option<(Drive, Trajectory)> {
+    ) -> Option<Departure> {
         let disc = self.disc(outset.frame, blocked.goal);
         if disc.radius_m.is_infinite() {
             return None;
@@ -181,22 +186,24 @@ impl Truck {
         let mut stopwatch = CpuStopwatch::start();
         let mut effort = blocked.effort;
         let ready = |effort: &Effort| outset.now + outset.delay + self.charge(effort);
+        // As if nobody were there: it shows where the truck meets others, and when.
         let direct = self.leg(&blocked.path, ready(&effort));
         let others = outset.traffic.predicted_for(&self.body);
         let mut found = Vec::new();
-        for (wait_s, leg, meets_at) in outset.traffic.meetings(&self.body, &direct) {
+        for Meeting { wait_s, leg, meets_at } in outset.traffic.meetings(&self.body, &direct) {
             let blocked_leg = BlockedLeg { path: &blocked.path, leg: &leg, meets_at };
-            let (path, spent) = plan_among(&self.checker, &others, blocked_leg, &self.speed, disc);
-            effort += spent;
+            let path = plan_among(&self.checker, &others, blocked_leg, &self.speed, disc, &mut effort);
             found.extend(path.map(|path| (path, wait_s)));
         }
         cost.local_search += stopwatch.elapsed_since_last();
+        // Only now, when the effort of all searches is known, which delays every departure.
         let legs = found.into_iter().filter_map(|(path, wait_s)| {
             let leg = after_waiting(&self.leg(&path, ready(&effort)), wait_s);
             let leg = outset.traffic.departure(&self.body, &leg).ok()?;
-            Some((Drive { path, effort, ..blocked.clone() }, leg))
+            Some(Departure { drive: Drive { path, effort, ..blocked.clone() }, leg })
         });
-        legs.min_by_key(|(_, leg)| leg.end_time())
+        // The first of equal ones, which waits least.
+        legs.min_by_key(|departure| departure.leg.end_time())
     }
 }
 
@@ -208,9 +215,10 @@ fn finish_query(
     spent: &mut Effort,
     cost: &mut AgentCost,
     recorder: &mut Recorder,
-) -> Result<(Path, FoundBy), PlanFailure> {
-    let (time, searched) = monitor.finish();
+) -> Result<Found, PlanFailure> {
+    let QueryRecord { time, searches } = monitor.finish();
     match plan.cpu {
+        // A planner that ran elsewhere says what it took; this thread only waited.
         Some(cpu) => cost.add_query(cpu),
         None => {
             cost.roadmap_search += time.roadmap;
@@ -218,9 +226,9 @@ fn finish_query(
         }
     }
     *spent += plan.effort;
-    recorder.record_searches(now, cost.agent, searched);
+    recorder.record_searches(now, cost.agent, searches);
     match plan.path {
-        Ok(path) => Ok((path, plan.found_by.expect("a plan with a path says what found it"))),
+        Ok(path) => Ok(Found { path, by: plan.found_by.expect("a plan with a path says what found it") }),
         Err(reason) => {
             recorder.note_failure(now, cost.agent, reason, plan.message.as_deref());
             Err(reason)

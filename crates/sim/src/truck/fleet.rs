@@ -86,7 +86,7 @@ impl Fleet<'_, '_> {
         let trucks = self.entities().map(|entity| {
             let (agent, truck) = self.trucks.one(entity);
             let is_idle = matches!(agent.activity, Activity::Resting(_) | Activity::Blocked);
-            Reservation::new((entity, agent.id), truck.body, agent.trajectory.clone(), is_idle)
+            Reservation::new(entity, agent.id, truck.body, agent.trajectory.clone(), is_idle)
         });
         if self.trucks.count() > 1 { trucks.collect() } else { Vec::new() }
     }
@@ -119,7 +119,7 @@ impl Fleet<'_, '_> {
         let found_by = Some(found_by);
         let fact = AgentFact::Planned { goal, trajectory: leg.clone(), effort, found_by };
         agent.answer(self.clock.0, fact, &mut self.recorder);
-        agent.set_out(entity, self.clock.0, (goal, leg), AgentEvent::Arrival, &mut self.queue);
+        agent.set_out(entity, self.clock.0, goal, leg, AgentEvent::Arrival, &mut self.queue);
     }
 
     /// Lets a truck without a goal move aside for another truck.
@@ -215,6 +215,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     let mut stops = Vec::new();
     while let Some(wake) = fleet.take(AgentEvent::DwellEnd) {
         let (mut agent, mut truck) = fleet.trucks.one_mut(wake.agent);
+        // Its stop was ended before, for instance by a lost goal.
         if agent.revision != wake.revision {
             continue;
         }
@@ -228,6 +229,7 @@ pub fn end_dwell(mut fleet: Fleet, fires: Res<Fires>) {
     for (stop, extinguish_set) in &stops {
         let put_out: Vec<Cell> = match extinguish_set {
             Some(cells) => {
+                // What burned out and began again meanwhile is another fire, which the water was not for.
                 cells.iter().filter(|&&(cell, time)| field.goes_on(cell, time)).map(|&(cell, _)| cell).collect()
             }
             None => std::iter::once(stop.goal).chain(stop.others(field)).collect(),
@@ -260,14 +262,16 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
             let stop = FireStop::new(&agent, &truck, cell);
             let mut others: Vec<Cell> = stop.others(field).collect();
             let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
+            // Nearest first: water that does not last for all goes to them.
             others.sort_by(|a, b| away(a).total_cmp(&away(b)));
-            let (cells, taken) = needs.of_stop(cell, others, left);
-            truck.extinguish_set = Some(cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
-            water_units = taken;
+            let plan = needs.plan_stop(cell, others, left);
+            truck.extinguish_set = Some(plan.cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
+            water_units = plan.water_units;
         }
         fleet.recorder.record_agent(now, agent.id, AgentFact::Suppressing { cell, water_units });
         let spraying = truck.water.as_ref().map_or(SimTime::ZERO, |water| water.spraying(water_units));
         agent.busy_until = now + truck.dwell + spraying;
+        // Taken when the stop begins, so that a stop that is broken off has used its water.
         agent.stops_left = agent.stops_left.map(|stops| stops.saturating_sub(water_units));
         fleet.queue.push_for(agent.busy_until, AgentEvent::DwellEnd, agent.wake(wake.agent));
     }

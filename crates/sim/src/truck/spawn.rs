@@ -29,6 +29,7 @@ pub fn spawn(
 ) -> Result<AgentStart, RunError> {
     let id = AgentId::unimog(number);
     let suppression = &arena.scenario.suppression;
+    // Trucks are placed in order of number, each beside those before it.
     let parked: Vec<_> = world
         .query::<(&Agent, &Truck)>()
         .iter(world)
@@ -36,7 +37,7 @@ pub fn spawn(
         .collect();
     let checker = CollisionChecker::new(Arc::clone(arena.field), settings.vehicle);
     let wanted = settings.start.pose();
-    let start = free_start((&settings.vehicle, wanted), arena.field, &checker, &parked)
+    let start = free_start(&settings.vehicle, wanted, arena.field, &checker, &parked)
         .ok_or(RunError::NoFreeStart { agent: id })?;
     if start != wanted {
         world.resource_mut::<Recorder>().record_agent(SimTime::ZERO, id, AgentFact::StartMoved { from: wanted });
@@ -59,13 +60,15 @@ pub fn spawn(
     let report = planner.build_report();
     let BuildReport { samples, edges, components, .. } = report;
     let mut recorder = world.resource_mut::<Recorder>();
+    // Planners without a roadmap record none.
     if samples > 0 {
         recorder.record_agent(SimTime::ZERO, id, AgentFact::RoadmapBuilt { samples, edges, components });
     }
+    // Drawing a roadmap sweeps all its edges, so only where it is recorded.
     if recorder.records_searches {
         let mut monitor = QueryMonitor::new(true);
         planner.show_roadmap(&mut monitor);
-        recorder.record_searches(SimTime::ZERO, id, monitor.finish().1);
+        recorder.record_searches(SimTime::ZERO, id, monitor.finish().searches);
     }
     let truck = Truck {
         body: settings.vehicle,
@@ -95,6 +98,7 @@ pub fn spawn(
     let woken_by = WakeTriggers::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.busy_until = SimTime::from_seconds(settings.ready_s);
+    // It cannot be called before, but its place counts for the others from the start.
     if settings.ready_s > 0.0 {
         agent.activity = Activity::Planning;
         let waits = AgentFact::Rested { reason: RestReason::NotReady };

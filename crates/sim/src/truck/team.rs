@@ -20,7 +20,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::FireField;
-use wildfire_planning::{Effort, GoalDisc};
+use wildfire_planning::{Effort, Found, GoalDisc};
 use wildfire_timeline::{AgentFact, AgentId};
 
 /// How near to its place a truck that is sent there comes, in metres: that of the middle of its body.
@@ -59,11 +59,13 @@ impl Fleet<'_, '_> {
         resources: &mut DecisionResources<'_, '_>,
     ) -> bool {
         let mut called = self.called(policy, resources);
+        // What was due has changed meanwhile.
         if called.queried.is_empty() {
             self.queue.drop_next();
             return true;
         }
         let mut changed = Vec::new();
+        // Goals of all that are asked count as free, so that the team can exchange them.
         let all = called.entities();
         for &entity in all.iter().filter(|entity| !called.moving.contains(entity)) {
             self.deliberate(entity, fires);
@@ -78,9 +80,11 @@ impl Fleet<'_, '_> {
         }
         if !called.queried.is_empty() {
             let orders = self.ask_team(policy, &called, fires, resources);
+            // An external policy has not answered yet.
             if orders.is_empty() {
                 return false;
             }
+            // Those under way first: a goal that is dropped is free for the trucks that stand.
             for &(entity, choice) in orders.iter().filter(|(entity, _)| called.moving.contains(entity)) {
                 changed.extend(self.call_off(entity, choice).then_some(entity));
             }
@@ -106,6 +110,7 @@ impl Fleet<'_, '_> {
         for due in self.queue.decisions(now).filter(|due| self.trucks.contains(due.agent)) {
             let (agent, _) = self.trucks.one(due.agent);
             let is_meant = agent.revision == due.revision && resources.followers.get(due.agent) == Ok(&policy);
+            // A truck on its way to a waiting place is under way too.
             let stands = agent.goal.is_none() && agent.stands(now);
             let is_called_off = agent.is_called && agent.may_be_called_off(now);
             let who = (agent.id, due.agent);
@@ -114,6 +119,7 @@ impl Fleet<'_, '_> {
                 called.moving.extend((!stands).then_some(due.agent));
             }
         }
+        // By number, as events of an instant come in the order in which they were scheduled.
         called.queried.sort_by_key(|&(id, _)| id);
         called
     }
@@ -242,7 +248,7 @@ impl Fleet<'_, '_> {
         let mut spent = Effort::default();
         let found = truck.query(disc, outset, &mut spent, &mut agent.cost, &mut self.recorder);
         let (reason, effort, until, tried_again) = match found {
-            Ok((path, found_by)) => {
+            Ok(Found { path, by: found_by }) => {
                 let ready = now + delay + truck.charge(&spent);
                 match traffic.departure(&truck.body, &truck.leg(&path, ready)) {
                     Ok(leg) => return DecisionOutcome::Relocates(Relocation { place, leg, effort: spent, found_by }),

@@ -14,6 +14,14 @@ pub struct Tracks {
     leading_back_m: f64,
 }
 
+/// A path that begins by leading back over tracks.
+#[derive(Debug)]
+pub struct RetracedPath {
+    pub path: Path,
+    /// The metres of it that lead back.
+    pub back_m: f64,
+}
+
 impl Tracks {
     pub fn legs(&self) -> usize {
         self.legs.len()
@@ -24,12 +32,12 @@ impl Tracks {
         self.legs[self.legs.len() - legs].start
     }
 
-    /// Returns a path from the present `pose` back over the last `legs` and then along `then`, and how many of its
-    /// metres lead back.
-    pub fn lead_back(&self, pose: Pose, legs: usize, then: Path) -> (Path, f64) {
+    /// Returns a path from the present `pose` back over the last `legs` and then along `then`.
+    pub fn retrace(&self, pose: Pose, legs: usize, then: Path) -> RetracedPath {
         let back: Vec<Segment> = self.legs.iter().rev().take(legs).flat_map(|leg| leg.reversed().segments).collect();
         let back_m = back.iter().map(|segment| segment.length_m.abs()).sum();
-        (Path { start: pose, segments: back.into_iter().chain(then.segments).collect() }, back_m)
+        let path = Path { start: pose, segments: back.into_iter().chain(then.segments).collect() };
+        RetracedPath { path, back_m }
     }
 
     /// Notes that the truck sets out on a leg whose first metres lead back.
@@ -83,14 +91,14 @@ mod tests {
     }
 
     fn set_out_back(tracks: &mut Tracks, pose: Pose, legs: usize, then: Path) -> Path {
-        let (path, back_m) = tracks.lead_back(pose, legs, then);
+        let RetracedPath { path, back_m } = tracks.retrace(pose, legs, then);
         tracks.set_out(back_m);
         path
     }
 
     fn assert_leads_home(tracks: Tracks, pose: Pose) {
         let legs = tracks.legs();
-        let home = tracks.lead_back(pose, legs, Path::standing(pose)).0.end();
+        let home = tracks.retrace(pose, legs, Path::standing(pose)).path.end();
         assert!((home.position() - Pose::new(50.0, 50.0, 0.4).position()).length() < 1e-9, "{home:?}");
         assert!((home.heading - 0.4).abs() < 1e-9);
     }

@@ -26,7 +26,7 @@ pub use arrays::write_npz;
 pub use changes::{ExportedChange, cell_changes};
 pub use object::{schema, write_json};
 pub use sampling::{FINEST_STEP_S, MAX_SAMPLES, Sampling};
-pub use tables::{event_text, ground_event_text, write_events, write_trace};
+pub use tables::{EventText, event_text, ground_event_text, write_events, write_trace};
 
 /// The reason why a run was not written.
 #[derive(Debug, Error)]

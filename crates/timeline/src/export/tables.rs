@@ -44,25 +44,33 @@ fn write_ground_event(table: &mut csv::Writer<impl Write>, event: &GroundEvent) 
     let agent = event.agent().map_or_else(String::new, |agent| agent.to_string());
     let col = event.cell.col.to_string();
     let row = event.cell.row.to_string();
-    let (name, detail) = ground_event_text(event);
+    let EventText { name, detail } = ground_event_text(event);
     table.write_record([&seconds(event.time), name, &agent, &col, &row, &detail])
 }
 
-/// Returns the word for a fact and its details, as in the columns `event` and `detail`.
-pub fn event_text(fact: &Fact) -> (&'static str, String) {
-    (name(fact), detail(fact))
+/// The word for an event and its details, as in the columns `event` and `detail`.
+#[derive(Debug)]
+pub struct EventText {
+    pub name: &'static str,
+    pub detail: String,
+}
+
+/// Returns the word and the details of a fact.
+pub fn event_text(fact: &Fact) -> EventText {
+    EventText { name: name(fact), detail: detail(fact) }
 }
 
 /// Returns the word and the details of a change of the ground.
-pub fn ground_event_text(event: &GroundEvent) -> (&'static str, String) {
-    match event.fact {
+pub fn ground_event_text(event: &GroundEvent) -> EventText {
+    let (name, detail) = match event.fact {
         GroundFact::Ignited(cause) => ("ground-ignited", cause_text(cause)),
         GroundFact::Extinguished { .. } => ("ground-extinguished", String::new()),
         GroundFact::Wetted { until, .. } => ("wetted", format!("until_s={}", seconds(until))),
         GroundFact::Cleared { flank, along_mm, holds } => {
             ("line-built", format!("flank={flank} along_m={} holds={holds}", f64::from(along_mm) / 1000.0))
         }
-    }
+    };
+    EventText { name, detail }
 }
 
 fn cause_text(cause: Cause) -> String {

@@ -45,13 +45,19 @@ impl DifferenceWriter {
         }
     }
 
-    /// Returns the two columns.
-    pub fn finish(mut self) -> (Vec<u8>, Vec<u8>) {
+    pub fn finish(mut self) -> DifferenceColumns {
         if self.pending_bits > 0 {
             self.bits.push(self.pending as u8);
         }
-        (self.lengths, self.bits)
+        DifferenceColumns { lengths: self.lengths, bits: self.bits }
     }
+}
+
+/// Differences as they were written, see [`DifferenceWriter`].
+#[derive(Debug)]
+pub struct DifferenceColumns {
+    pub lengths: Vec<u8>,
+    pub bits: Vec<u8>,
 }
 
 /// Reads differences from any bytes.
@@ -141,7 +147,7 @@ fn from_ordered(ordered: u64) -> Result<f32, FileError> {
 }
 
 /// Writes a number for every cell.
-pub fn write_surface(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -> (Vec<u8>, Vec<u8>) {
+pub fn write_surface(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -> DifferenceColumns {
     let mut plane = PlanePredictor::new(cols, numbers.len());
     let mut writer = DifferenceWriter::default();
     for (index, number) in numbers.map(ordered).enumerate() {
@@ -180,7 +186,7 @@ mod tests {
             writer.push(number, predicted);
             predicted = number;
         }
-        let (lengths, bits) = writer.finish();
+        let DifferenceColumns { lengths, bits } = writer.finish();
         let mut reader = DifferenceReader::new(&lengths, &bits);
         let mut predicted = 5;
         for number in numbers {
@@ -196,12 +202,12 @@ mod tests {
     #[test]
     fn a_surface_comes_back_bit_for_bit_and_a_plane_takes_next_to_nothing() {
         let odd = [0.0, -0.0, f32::MIN_POSITIVE, -1e30, 1e-30, 3.5, f32::MAX, f32::MIN, 1.0, 1.0, 1.0, 2.0];
-        let (lengths, bits) = write_surface(4, odd.into_iter());
+        let DifferenceColumns { lengths, bits } = write_surface(4, odd.into_iter());
         let back = read_surface(4, 12, &lengths, &bits).expect("it was written");
         assert!(back.iter().zip(odd).all(|(back, number)| back.to_bits() == number.to_bits()));
         assert!(read_surface(4, 11, &lengths, &bits).is_err());
         let plane = (0..10_000).map(|index| 64.0 + (index % 100) as f32 * 0.25 + (index / 100) as f32 * 0.125);
-        let (_, bits) = write_surface(100, plane);
+        let bits = write_surface(100, plane).bits;
         assert!(bits.len() < 1000, "{} bytes", bits.len());
     }
 }

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::{DifferenceReader, DifferenceWriter, PlanePredictor};
+use super::columns::{DifferenceColumns, DifferenceReader, DifferenceWriter, PlanePredictor};
 use super::facts::{NO_SUCH_AGENT, NO_SUCH_TIME, NO_SUCH_WORD};
 use super::{FileError, append, check, take};
 use crate::{AgentId, Cause, GroundEvent, GroundFact, Setting};
@@ -112,7 +112,7 @@ impl GroundWriter {
         if is_ordinary {
             append(&mut self.stretches, &stretch);
         }
-        (self.time_lengths, self.time_bits) = times.finish();
+        DifferenceColumns { lengths: self.time_lengths, bits: self.time_bits } = times.finish();
     }
 
     fn record(&mut self, setting: &Setting, event: &GroundEvent, place: u32, base: &mut RecordBase) {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::check::{MAX_WEATHER, limit};
-use super::columns::{read_surface, write_surface};
+use super::columns::{DifferenceColumns, read_surface, write_surface};
 use super::setting::{cells, steps};
 use super::{FileError, append, take};
 use crate::{Setting, SpreadSetting};
@@ -257,7 +257,7 @@ impl TreeRecord {
 
 impl SurfaceRecord {
     fn new(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -> Self {
-        let (lengths, bits) = write_surface(cols, numbers);
+        let DifferenceColumns { lengths, bits } = write_surface(cols, numbers);
         Self { lengths, bits }
     }
 

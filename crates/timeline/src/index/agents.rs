@@ -13,7 +13,7 @@ use crate::{
 use wildfire_base::geometry::Cell;
 use wildfire_base::query::{Effort, FoundBy, PlanFailure};
 use wildfire_base::time::SimTime;
-use wildfire_base::trajectory::{Piece, Trajectory};
+use wildfire_base::trajectory::{MotionState, Piece, Trajectory};
 
 use super::bushes::BushCounts;
 use super::ground::GroundIndex;
@@ -41,6 +41,14 @@ impl AgentStats {
     pub fn spent(&self, activity: Activity) -> SimTime {
         self.spent[activity as usize]
     }
+}
+
+/// A suppression of a truck.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SuppressionSpan {
+    pub since: SimTime,
+    pub cell: Cell,
+    pub lasts: SimTime,
 }
 
 /// A leg of an agent, for as long as it was followed.
@@ -122,7 +130,7 @@ impl AgentHistory {
     pub fn state_at(&self, timeline: &Timeline, start: &AgentStart, time: SimTime) -> AgentState {
         let &AgentStep { stats, goal, leg, .. } = self.last_step(time);
         let leg = leg.map(|leg| self.legs[leg].trajectory(timeline));
-        let (pose, speed_mps) = leg.map_or((start.pose, 0.0), |leg| leg.state_at(time));
+        let MotionState { pose, speed_mps } = leg.map_or(MotionState::standing(start.pose), |leg| leg.state_at(time));
         AgentState { id: start.id, pose, speed_mps, activity: stats.activity, goal }
     }
 
@@ -286,6 +294,7 @@ impl<'a> AgentReader<'a> {
     /// Records a fact of this agent's, by its place in the timeline; `bushes` are as they are after it.
     pub fn record_fact(&mut self, index: usize, event: &'a Event, bushes: &[BushState]) {
         let now = event.time;
+        // Whatever leg was under way ends where a new one begins.
         if event.fact.trajectory().is_some() {
             self.end_leg(now);
             self.history.follow(self.timeline, now, index);
@@ -296,6 +305,7 @@ impl<'a> AgentReader<'a> {
             Fact::Fire(fact) => {
                 stats.cells += 1;
                 if let FireFact::Extinguished { cell, .. } = fact {
+                    // A drive whose goal is put out was not wasted.
                     self.drive = self.drive.take().filter(|drive| drive.goal != *cell);
                 }
                 return;
@@ -309,6 +319,7 @@ impl<'a> AgentReader<'a> {
                     RestReason::PolicyWait | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady
                 )
             }
+            // These are only said about an agent; what it does stays the same.
             AgentFact::OutOfReach { .. } | AgentFact::Searched { .. } | AgentFact::RelocationFailed { .. } => {
                 self.rests_by_choice
             }
@@ -335,6 +346,7 @@ impl<'a> AgentReader<'a> {
             AgentFact::Planned { goal, trajectory, effort, found_by } => {
                 self.count_plan(now, *effort);
                 self.outcome.lattice_plans += u32::from(found_by.is_some_and(FoundBy::is_after_failure));
+                // Before the next one begins, so that a drive that was dropped counts.
                 self.end_drive(now);
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
                 let is_hopeless = drives && self.is_hopeless(*goal, trajectory.end_time(), bushes);
@@ -407,6 +419,7 @@ impl<'a> AgentReader<'a> {
 
     /// Returns the history and the totals at the end.
     pub fn finish(mut self, end: SimTime) -> (AgentHistory, AgentOutcome) {
+        // What is under way counts up to the end.
         self.end_leg(end);
         self.end_drive(end);
         let stats = self.history.stats_at(self.timeline, end);

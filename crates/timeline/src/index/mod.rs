@@ -11,7 +11,7 @@ mod ground;
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
-pub use agents::{AgentStats, FollowedLeg};
+pub use agents::{AgentStats, FollowedLeg, SuppressionSpan};
 pub use bushes::{BushCounts, SpreadMoment};
 pub use ground::{Burning, GroundCounts, GroundIndex, Wetting};
 
@@ -151,11 +151,12 @@ impl<'a> RunIndex<'a> {
         self.legs_between(agent, time, time).next()
     }
 
-    /// Returns the start of an agent's last suppression by that time, its cell, and how long it takes.
-    pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<(SimTime, Cell, SimTime)> {
+    /// Returns an agent's last suppression that began by that time.
+    pub fn stop_at(&self, agent: usize, time: SimTime) -> Option<SuppressionSpan> {
         let stops = &self.agents[agent].stops;
         let stop = stops[..stops.partition_point(|(from, ..)| *from <= time)].last();
-        stop.map(|&(since, cell, water_units)| (since, cell, self.timeline.setting.stop_time(water_units)))
+        let lasts = |water_units| self.timeline.setting.stop_time(water_units);
+        stop.map(|&(since, cell, water_units)| SuppressionSpan { since, cell, lasts: lasts(water_units) })
     }
 
     /// Returns the last search of an agent and phase that was recorded up to a time, with its place among the facts.

@@ -86,7 +86,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
             Some((fire.arrival(cell)?, if parent == cell { Cause::Scheduled } else { Cause::Spread(parent) }))
         });
         let ignitions: Vec<_> = ignitions.collect();
-        let behavior = FireBehavior::new((&landscape, &weather, &rules), &ignitions);
+        let behavior = FireBehavior::new(&landscape, &weather, &rules, &ignitions);
         ground.place.write_bands(path, landscape.frame, &arrivals(), &behavior)
     };
     let draw = |path: &Path| {

@@ -165,9 +165,11 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let files = paths.iter().map(|path| runs_table::open(path)).collect::<Result<Vec<_>, _>>()?;
     let name = request.metric.clone().unwrap_or_else(|| USUAL_METRIC.into());
     let metric = Metric::choose(&[name], &files)?.remove(0);
+    // Metrics of the program know which way is better; a column of the user's may not.
     let better = request.better.or(metric.about.better);
     let better = better.ok_or_else(|| RankingError::WhichIsBetter { metric: metric.name.to_string() })?;
     let of_metric = metric.fields();
+    // Only the columns of the metric are read: tables may have millions of rows.
     let tables =
         files.into_iter().map(|file| RunsTable::read(file, &of_metric)).collect::<Result<Vec<RunsTable>, _>>()?;
     let settings = tables.iter().map(|table| {
@@ -201,6 +203,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         };
         RankInput { entry, numbers }
     });
+    // All entries played the same runs, so those of the first stand for all.
     let runs: Vec<(u64, usize)> = entries.entries[0].runs.iter().map(|run| (run.seed, run.stratum)).collect();
     let by = (entries.strata > 1).then(|| listed(&entries.columns));
     let (ranked, pairs) = ranked(contenders.collect(), &runs, by, &metric, better);

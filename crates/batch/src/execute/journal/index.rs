@@ -96,12 +96,15 @@ impl JournalIndex {
         let mut index = Self::empty(slice, plan.count());
         let mut lines = Lines::from(path, file, LineStart::default())?;
         while let Some(LineStart { number, offset }) = lines.next()? {
+            // The head names plan and slice: lines of another batch are refused before one is read.
             if number == 0 {
                 check_head(path, &lines.line, &Head::new(&plan.content_sha256(), slice))?;
                 continue;
             }
+            // Lines count from 1 in editors, and the head is line 1.
             let damaged = |reason: String| JournalError::Damaged { path: path.to_owned(), line: number + 1, reason };
             let entry: Entry = decode(&lines.line).map_err(damaged)?;
+            // A run may be there twice, as two processes without locks may have worked on it.
             match index.place_of(entry.label.run).map_err(damaged)? {
                 LineRole::Free(place) => {
                     index.add(place, entry.status, offset, &lines.line);
@@ -113,11 +116,13 @@ impl JournalIndex {
                     }
                 }
                 LineRole::Taken(first) => {
+                    // The same seed gives the same row; another one would be a fault worth stopping for.
                     expect_same_row(path, first, &lines.line).map_err(damaged)?;
                     index.repeated += 1;
                 }
             }
         }
+        // Lines come in the order in which runs ended.
         index.recorded.sort_unstable();
         (index.end, index.torn) = (lines.start.offset, lines.torn);
         Ok(index)
@@ -167,9 +172,14 @@ impl JournalIndex {
         self.offsets.len() as u64
     }
 
-    /// Returns the number of runs in the journal, and of those among them that are not done.
-    pub fn stored(&self) -> (u64, u64) {
-        (self.stored, self.not_done)
+    /// Returns the number of runs in the journal.
+    pub fn stored(&self) -> u64 {
+        self.stored
+    }
+
+    /// Returns the number of runs in the journal that are not done.
+    pub fn not_done(&self) -> u64 {
+        self.not_done
     }
 
     pub fn is_complete(&self) -> bool {
@@ -341,9 +351,11 @@ impl<'a> Lines<'a> {
     /// Reads the next line into `line`, without its newline, and returns its start.
     pub fn next(&mut self) -> Result<Option<LineStart>, JournalError> {
         self.line.clear();
+        // Bounded, so that a file of zeros cannot take all memory.
         let read = self.reader.by_ref().take(MAX_LINE_BYTES).read_until(b'\n', &mut self.line);
         let bytes = read.map_err(|source| JournalError::unreadable(self.path, source))? as u64;
         let start = self.start;
+        // Only a last line may lack its end: a process was killed while it wrote.
         if self.line.pop() != Some(b'\n') {
             if bytes == MAX_LINE_BYTES {
                 let reason = format!("it has more than {} MB", MAX_LINE_BYTES >> 20);

@@ -68,15 +68,18 @@ impl LockedJournal {
     /// Reads the existing lines, drops a torn one, and begins the journal if it has no line yet.
     pub fn open(self, plan: &BatchPlan, slice: Slice, disk: &dyn Disk) -> Result<OpenJournal, BatchError> {
         let sha256 = plan.content_sha256();
+        // Read under the lock, so that nobody adds lines meanwhile.
         let mut index = JournalIndex::read(&self.path, &self.file, plan, slice)?;
         drop_torn_line(&index, &self.path, &self.file)?;
         let Self { mut path, mut file, sync_every, local_folder } = self;
         let mut home = None;
         if let Some(folder) = local_folder {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            // The plan's digest is part of the name: another batch on this machine has another copy.
             let local_path = folder.join(format!("wildfire-{}-{name}", &sha256[..16]));
             let local = copy_to(&folder, &local_path, &file)?;
             let was_torn = index.is_torn();
+            // A copy that an earlier process left may hold runs that the journal lacks.
             index = JournalIndex::read(&local_path, &local, plan, slice)?;
             drop_torn_line(&index, &local_path, &local)?;
             let end = file.metadata().map_err(|source| BatchError::unwritable(&path, source))?.len();
@@ -87,6 +90,7 @@ impl LockedJournal {
         let writer = writer_of(disk, &path, &file)?;
         let is_empty = index.end() == 0;
         let mut journal = OpenJournal { path, file, writer, index, home, sync_every, unsynced: None };
+        // The head is on disk before any run begins, so that the folder is known as begun.
         if is_empty {
             let head = encode(&Head::new(&sha256, slice));
             journal.write(&head)?;
@@ -159,6 +163,7 @@ fn copy_to(folder: &Path, local_path: &Path, mut home: &File) -> Result<File, Ba
     let rewind = |mut file: &File| file.seek(SeekFrom::Start(0)).map_err(unwritable);
     let length = rewind(home).and_then(|_| home.metadata().map_err(unwritable))?.len();
     rewind(&local)?;
+    // A copy that goes on from the journal is kept; any other is replaced.
     if !begins_with(&local, home, length).map_err(unwritable)? {
         local.set_len(0).map_err(unwritable)?;
         rewind(home)?;
@@ -169,6 +174,7 @@ fn copy_to(folder: &Path, local_path: &Path, mut home: &File) -> Result<File, Ba
 
 /// Compares the first `length` bytes of two files that are at their beginnings.
 fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
+    // The cheap test first; most copies are new and empty.
     if local.metadata()?.len() < length {
         return Ok(false);
     }
@@ -225,11 +231,13 @@ impl OpenJournal {
         let Some(mut home) = self.home.take() else { return Ok(()) };
         let unwritable = |source| BatchError::unwritable(&home.path, source);
         let found = home.file.metadata().map_err(unwritable)?.len();
+        // Another process wrote to the journal: appending would mix both.
         if found != home.end {
             let change = format!("it has {found} bytes, expected {} as when this process began", home.end);
             return Err(JournalError::Changed { path: home.path, change }.into());
         }
         let unreadable = |source| JournalError::unreadable(&self.path, source);
+        // What the journal has already is the beginning of the copy.
         self.file.seek(SeekFrom::Start(home.end)).map_err(unreadable)?;
         let mut part = vec![0; BROUGHT_BYTES];
         loop {
@@ -239,6 +247,7 @@ impl OpenJournal {
             }
             home.writer.append(&part[..bytes]).map_err(unwritable)?;
         }
+        // Before the copy is removed, which until then is the only one on disk.
         home.writer.sync().map_err(unwritable)?;
         // What is left behind would be found by the next process and be no more than it has.
         let _ = fs::remove_file(&self.path);
@@ -254,6 +263,7 @@ impl OpenJournal {
         let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
         let metadata = self.file.metadata().map_err(unreadable)?;
         match fs::metadata(&self.path) {
+            // A journal that was replaced while it was open would lose all lines written since.
             Ok(found) if !is_same_file(&metadata, &found) => return changed("another file has its name".into()),
             Ok(_) => {}
             Err(error) if error.kind() == ErrorKind::NotFound => {

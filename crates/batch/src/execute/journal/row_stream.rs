@@ -62,6 +62,7 @@ impl RowStream {
             other => other.into(),
         })?;
         let bytes = file.metadata().map_err(|source| JournalError::unreadable(&path, source))?.len();
+        // Only an offset per run is kept: rows of a whole batch need not fit into memory.
         let places = usize::try_from(slice.count(budget.runs)).expect("the runs of a batch are counted in memory");
         let mut stream = Self {
             head: Head::new(budget.plan_sha256, slice),
@@ -102,6 +103,7 @@ impl RowStream {
     pub fn rows(&mut self, places: Range<u64>) -> Result<Vec<RunRow>, BatchError> {
         let file = open_to_read(&self.path, self.lock)?;
         let found = file.metadata().map_err(|source| JournalError::unreadable(&self.path, source))?.len();
+        // Offsets are those of the file as it was opened.
         if found != self.bytes {
             let change = format!("it has {found} bytes, expected {} as before", self.bytes);
             return Err(JournalError::Changed { path: self.path.clone(), change }.into());
@@ -109,12 +111,14 @@ impl RowStream {
         let count = self.offsets.len() as u64;
         let places = places.start..places.end.min(count);
         let mut rows: Vec<Option<RunRow>> = Vec::new();
+        // Rows that were passed on the way to earlier ones.
         for place in places.clone() {
             rows.push(self.take_early(&file, place)?);
         }
         let mut lacking = rows.iter().filter(|row| row.is_none()).count();
         let path = self.path.clone();
         let mut lines = Lines::from(&path, &file, self.next)?;
+        // The last rows are read to the end of the file, so that every line was checked once.
         while lacking > 0 || places.end == count {
             let Some(LineStart { number, offset }) = lines.next()? else { break };
             self.next = lines.start;
@@ -123,6 +127,7 @@ impl RowStream {
             if places.contains(&place) {
                 rows[in_memory(place - places.start)] = Some(decode(&lines.line).map_err(damaged)?);
                 lacking -= 1;
+            // Kept if there is room; else it is read again from its offset when its turn comes.
             } else if lines.line.len() <= self.room {
                 self.room -= lines.line.len();
                 self.early.insert(place, lines.line.clone());
@@ -143,6 +148,7 @@ impl RowStream {
         let place = self.slice.place_of(run).filter(|&place| place < self.offsets.len() as u64);
         let Some(place) = place else { return Err(format!("run {run} is not in slice {}", self.slice)) };
         match &mut self.offsets[in_memory(place)] {
+            // No row is at 0, where the head is.
             entry @ 0 => {
                 *entry = offset;
                 self.met += 1;
@@ -200,6 +206,7 @@ fn count_lines_from(path: &Path, from: u64) -> io::Result<LineCount> {
             return Ok(LineCount { lines, end });
         }
         for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
+            // Only whole lines count: the last one may be written just now.
             lines += 1;
             end = read + at as u64 + 1;
         }

@@ -162,6 +162,7 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
     let rules = course.path.display();
     let written = leaf.keys.join(".");
     let steps: Vec<&str> = leaf.keys.iter().map(String::as_str).collect();
+    // The likely mistake is named, not only that the key is fixed.
     if let (TomlValue::Array(list), false) = (&leaf.value, free.has(&steps))
         && list.iter().any(TomlValue::is_table)
     {

@@ -53,6 +53,7 @@ impl DirectionSet {
             let mut pending = vec![last];
             let needed = if min_acuteness(ellipses, first, last) < 0.0 { REFINED_ACUTENESS } else { 0.0 };
             while let Some(&to) = pending.last() {
+                // The mediant: of all steps between two neighbours it is the shortest.
                 let between = (from.0 + to.0, from.1 + to.1);
                 let is_in_reach = between.0.abs().max(between.1.abs()) <= MAX_REACH;
                 if is_in_reach && min_acuteness(ellipses, from, to) < needed {

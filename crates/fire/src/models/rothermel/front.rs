@@ -65,10 +65,12 @@ impl Cells {
     fn new(landscape: &Landscape, [reach, margin]: [usize; 2], fuel: impl Fn(u8) -> u8) -> Self {
         let cols = usize::from(landscape.frame.cols);
         let rows = usize::from(landscape.frame.rows);
+        // A margin of barriers around the field: ways that leave it need no test of their own.
         let stride = cols + 2 * margin;
         let count = stride * (rows + 2 * margin);
         u32::try_from(count).expect("sizes of fields are checked before");
         let mut fuels = vec![BARRIER; count];
+        // Looked up once for each of the 256 numbers, not for each cell.
         let mut number_of = [BARRIER; 256];
         for number in 0..=u8::MAX {
             number_of[usize::from(number)] = fuel(number);
@@ -98,6 +100,7 @@ impl Cells {
             let mut cols_alike = 0;
             for col in 0..stride {
                 let index = row * stride + col;
+                // Runs along rows, and runs of such rows: one pass in place of a look at every square.
                 let is_as_before = col > 0 && self.fuel[index] == self.fuel[index - 1];
                 cols_alike = if is_as_before { cols_alike + 1 } else { 1 };
                 let Some(middle) = col.checked_sub(reach) else { continue };
@@ -112,6 +115,7 @@ impl Cells {
                     1
                 };
                 if rows_alike[middle] >= width {
+                    // The square of that width ends here, so its middle lies half of it back.
                     self.state[index - reach * stride] |= UNIFORM;
                 }
             }
@@ -165,6 +169,7 @@ impl Cells {
             is_blocked |= crossed == BARRIER;
         }
         for &[one, other] in way.corners() {
+            // Fire passes a corner by either of the two cells beside it.
             is_blocked |= self.fuel[from.wrapping_add_signed(one)] == BARRIER
                 && self.fuel[from.wrapping_add_signed(other)] == BARRIER;
         }
@@ -320,7 +325,9 @@ impl Front {
     pub fn ignite(&mut self, cell: Cell, now: u64) {
         let index = self.cells.index(cell);
         let state = self.cells.state[index];
+        // A cell that this front plans for now was reached by it; any other ignition begins a fire of its own.
         let is_source = state & DUE == 0 || self.due_at != now;
+        // Marks of the surroundings stay; what was planned for the cell is over.
         self.cells.state[index] = state & NEAR | BURNED | if is_source { SOURCE } else { 0 };
         self.cells.time[index] = now;
         self.enter_interval(now);
@@ -336,11 +343,13 @@ impl Front {
             for near in reached {
                 self.plan_again(near);
             }
+            // Plans that are made from scratch know this cell too, so it need not spread by itself.
             return;
         }
         if is_source {
             self.spread_exactly_from(index, now);
         }
+        // On a plane the times along all ways are in a table, which relief cannot have.
         if self.rates.is_plane() {
             self.spread_on_plane_from(index, now);
         } else {
@@ -356,6 +365,7 @@ impl Front {
         if reignition {
             self.delay(cell, now);
         } else {
+            // What never burns again is a barrier, and squares with it are no longer of one fuel.
             self.cells.fuel[index] = BARRIER;
             for near in self.cells.around(cell, self.cells.reach) {
                 self.cells.state[near] &= !UNIFORM;
@@ -389,6 +399,7 @@ impl Front {
     }
 
     fn enter_interval(&mut self, now: u64) {
+        // Nearly always: weather changes by the hour, cells ignite by the second.
         if (self.interval.from..self.interval.until).contains(&now) {
             return;
         }
@@ -398,6 +409,7 @@ impl Front {
         let tables = if self.rates.is_plane() { self.rates.on_plane(number) } else { &[] };
         let tables = tables.iter().map(|spreading| FuelTable {
             slowness: spreading.slowness,
+            // All ways at once: each is used by every cell that ignites in this weather.
             along: vectors.iter().map(|&v| (spreading.seconds(v), spreading.drift_seconds(v))).collect(),
         });
         self.interval = WeatherSpan { number, from, until, tables: tables.collect() };
@@ -409,9 +421,11 @@ impl Front {
         for number in template.disc(interval.number) {
             let way = template.way(number);
             let to = from.wrapping_add_signed(way.end);
+            // The cheap test first; most cells around a later source have burned.
             if cells.has_burned(to) || cells.fuel[to] == BARRIER {
                 continue;
             }
+            // Over other ground the exact way would be a guess: the front goes by the set's ways there.
             if cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
                 let time = arrival_along(rates, cells, from, way, now);
                 offer(cells, queue, to, time, number);
@@ -428,6 +442,7 @@ impl Front {
             let way = &template.ways[number];
             let to = from.wrapping_add_signed(way.end);
             let fuel = cells.fuel[to];
+            // Most of what a front looks at lies behind it.
             if fuel == BARRIER || cells.has_burned(to) {
                 continue;
             }
@@ -444,6 +459,7 @@ impl Front {
                     })
                     .sum(),
             };
+            // Saturating: what burns too slowly arrives never, not in the past.
             let mut time = now.saturating_add(nanos(seconds));
             // In another weather: then it is not before this interval ends.
             if time > interval.until && cells.time[to] > interval.until {
@@ -454,12 +470,15 @@ impl Front {
                 continue;
             }
             let table = &interval.tables[usize::from(fuel)];
+            // A comparison is cheaper here than a division, which the remainder would take.
             let before = if place == 0 { count - 1 } else { place - 1 };
             let after = if place + 1 == count { 0 } else { place + 1 };
+            // Each way bounds two gaps: those to the ways on both sides of it.
             for (first_place, other_place) in [(before, before), (place, after)] {
                 let other = usize::from(set.ways[other_place]);
                 let other_way = &template.ways[other];
                 let beside = to.wrapping_add_signed(-other_way.end);
+                // The later of two that burn makes the pair, so each is tried once both burn.
                 if !cells.has_burned(beside) {
                     continue;
                 }
@@ -471,18 +490,22 @@ impl Front {
                 let first_drift = table.along[first.way].1;
                 let later = seconds_between(first_time, second_time) - (table.along[second.way].1 - first_drift);
                 let pair = &set.pairs[first_place];
+                // The front would come from beyond one of the ends, whose own way has it already.
                 if !pair.is_between(table.slowness, later) {
                     continue;
                 }
                 let after_first = pair.seconds(table.slowness, later) - first_drift;
+                // Never before now, which rounding could make it.
                 let mut time = first_time.saturating_add(nanos(after_first)).max(now);
                 let is_in_interval = cells.time[beside] >= interval.from && time <= interval.until;
+                // What does not improve the plan needs no look at the ground of the other way.
                 if is_in_interval && time >= cells.time[to] {
                     continue;
                 }
                 if cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
                     continue;
                 }
+                // The closed form holds in one weather only.
                 if !is_in_interval {
                     let Some(two_point) = two_point_arrival(rates, cells, template, to, [first, second]) else {
                         continue;
@@ -507,6 +530,7 @@ impl Front {
                 continue;
             }
             let crossing = cells.crossing(from, way, fuel);
+            // Before the time along it, which on relief sums the ellipses of all cells crossed.
             if crossing == Crossing::Blocked {
                 continue;
             }
@@ -546,6 +570,7 @@ impl Front {
 
     fn best_plan(&mut self, to: usize) -> (u64, u16) {
         let fuel = self.cells.fuel[to];
+        // Compared in order: time, the source's ignition, and numbers, so that no tie depends on the order of trials.
         let mut best = (NEVER, NEVER, usize::MAX, 0);
         if fuel == BARRIER {
             return (NEVER, 0);
@@ -557,6 +582,7 @@ impl Front {
             }
         };
         let count = self.template.ways.len();
+        // A pair is a front only if both of its ways were open all the time.
         let mut plain = vec![false; count];
         let has_disc = self.cells.state[to] & NEAR_SOURCE != 0;
         #[expect(clippy::needless_range_loop, reason = "the numbers go on where the list of plain ways ends")]
@@ -573,6 +599,7 @@ impl Front {
                 continue;
             }
             let ignited = self.cells.time[from];
+            // Over ground that opens later fire starts when it opens, if the source still flames then.
             let start = self.cells.open_from(from, way).max(ignited);
             if !is_of_disc {
                 plain[number] = start == ignited && crossing == Crossing::Uniform;
@@ -595,6 +622,7 @@ impl Front {
                     let index = to.wrapping_add_signed(-self.template.ways[way].end);
                     EdgeStart { index, way }
                 });
+                // The later end's weather decides, as before it burned there was no front between.
                 let later = [first, second].into_iter().max_by_key(|one| (self.cells.time[one.index], one.index));
                 let later = later.expect("there are two");
                 let ignited = SimTime::from_nanos(self.cells.time[later.index]);
@@ -644,21 +672,22 @@ fn two_point_arrival(
     let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
     let is_plane = rates.is_plane();
     let here = spreading(rates, cells, number, to);
+    // Fuel that does not burn in this weather; in the next one a new plan is made.
     if here.slowness == f64::INFINITY {
         return None;
     }
     // Seconds of each way beyond the ellipse of the cell that both lead to.
     let beyond = |rates: &mut Rates, number: usize| {
         let here = spreading(rates, cells, number, to);
-        ways.map(
-            |(from, way, v)| {
-                if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
-            },
-        )
+        ways.map(|(from, way, v)| {
+            // On a plane all cells that are crossed have the same ellipse.
+            if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
+        })
     };
     let [first_beyond, second_beyond] = beyond(rates, number);
     let first_drift = here.drift_seconds(ways[0].2);
     let second_drift = here.drift_seconds(ways[1].2);
+    // Without the drift, which is linear along the line between the ends, the front is a circle's tangent.
     let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
     let pair = if is_plane {
         let set = template.set(number);
@@ -676,6 +705,7 @@ fn two_point_arrival(
     }
     let time = first_time.saturating_add(nanos(after_first)).max(latest);
     let (from, until) = span(rates, number);
+    // All of it in one weather: the closed form is exact.
     if first_time.min(second_time) >= from && time <= until {
         return Some(time);
     }
@@ -691,6 +721,7 @@ fn two_point_arrival(
         let [first_beyond, second_beyond] = beyond(rates, number);
         along + (1.0 - part) * first_beyond + part * second_beyond
     });
+    // Before both ends burned no front spanned them.
     Some(time.max(latest))
 }
 
@@ -744,6 +775,7 @@ fn progress(rates: &mut Rates, start: u64, mut seconds: impl FnMut(&mut Rates, u
         if time <= until {
             return time;
         }
+        // The share that is left takes another time in the next weather; rounding must not make it negative.
         left = (left - seconds_between(at, until) / whole).max(0.0);
         at = until;
     }

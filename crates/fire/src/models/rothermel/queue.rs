@@ -61,11 +61,14 @@ impl ArrivalQueue {
     #[inline]
     pub fn push(&mut self, time: u64, cell: u32) {
         let tick = time >> TICK_BITS;
+        // What is due in the tick under way must not wait for the wheel to come round.
         if tick <= self.tick {
             self.due.push(Reverse((time, cell)));
             return;
         }
+        // The highest bits that differ say how far off it is: farther buckets are wider.
         let level = ((63 - (tick ^ self.tick).leading_zeros()) / LEVEL_BITS) as usize;
+        // Beyond the last level: sorted in when the wheels have turned that far.
         let Some(level_of_tick) = self.levels.get_mut(level) else {
             self.far.push(cell);
             return;
@@ -100,6 +103,7 @@ impl ArrivalQueue {
         let occupied = self.levels.iter().enumerate().find_map(|(level, of_it)| Some((level, of_it.first_occupied()?)));
         let Some((level, bucket)) = occupied else { return self.advance_far(times) };
         let shift = level as u32 * LEVEL_BITS;
+        // The bits above stay, those of this level are the bucket's, those below begin at 0.
         let above = self.tick >> (shift + LEVEL_BITS) << LEVEL_BITS;
         self.tick = (above | bucket as u64) << shift;
         let current = &mut self.levels[level];

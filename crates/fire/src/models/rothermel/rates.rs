@@ -146,6 +146,7 @@ pub struct Rates {
 
 impl Rates {
     pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
+        // Only fuels of this landscape get beds: each bed is computed per interval.
         let mut is_there = [false; 256];
         for &number in &landscape.fuel {
             is_there[usize::from(number)] = true;
@@ -160,6 +161,7 @@ impl Rates {
             with_crowns.map(|interval| (model_10(&interval.moisture, rules.options.curing), None)).collect();
         let kept = match landscape.relief {
             Relief::Plane(_) if !has_crowns => 0,
+            // A power of two, so that a place in the cache is found by masking.
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];

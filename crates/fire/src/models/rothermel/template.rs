@@ -35,6 +35,7 @@ impl Edge {
             let until = border_col.min(border_row);
             let cell = |col: i32, row: i32| place((col * cols.signum(), row * rows.signum()));
             crossed.push((cell(col, row), f64::from(until - at) / f64::from(scale)));
+            // At the end of the way two borders meet as well: that is the goal's middle, not a corner.
             if border_col == border_row && until < scale {
                 corners.push([cell(col + 1, row), cell(col, row + 1)]);
             }
@@ -110,6 +111,7 @@ impl Template {
         let mut template =
             Self { ways: Vec::new(), disc: Vec::new(), vectors: Vec::new(), sets: Vec::new(), set_of: Vec::new() };
         for set in directions {
+            // Weather that changes little keeps its directions; their ways are shared.
             let existing = directions.iter().position(|other| other == set).expect("it is one of them");
             let number = template.set_of.get(existing).copied().unwrap_or_else(|| {
                 let set = template.edge_set(set, stride, cell_m, gradient);
@@ -132,11 +134,13 @@ impl Template {
         }
         let mut disc: Vec<u16> =
             set.exact_offsets().into_iter().map(|step| number_of(&mut self.disc, step, stride).0).collect();
+        // Sorted, so that membership is a binary search.
         disc.sort_unstable();
         let mut places = vec![None; self.ways.len()];
         for (place, &number) in numbers.iter().enumerate() {
             places[usize::from(number)] = Some(place as u16);
         }
+        // The last direction is the first one's neighbour.
         let next = numbers.iter().cycle().skip(1);
         let pairs = numbers
             .iter()

@@ -58,6 +58,14 @@ pub enum Coordinates {
     Unusable,
 }
 
+/// The description of a coordinate system, as far as a text gives it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SpatialReference {
+    pub coordinates: Option<Coordinates>,
+    /// The unit of heights in metres.
+    pub height_unit_m: Option<f64>,
+}
+
 impl Coordinates {
     pub const METRES: Self = Self::Lengths { unit_m: 1.0 };
 
@@ -84,9 +92,8 @@ impl Coordinates {
         epsg_of_name(name).map(Self::of_epsg)
     }
 
-    /// Reads the text of a `.prj` file, or another description of a system as well-known text; the second value is the unit of
-    /// heights in metres, if the text gives one.
-    pub fn of_text(text: &str) -> (Option<Self>, Option<f64>) {
+    /// Reads the text of a `.prj` file, or another description of a system as well-known text.
+    pub fn of_text(text: &str) -> SpatialReference {
         let upper = text.trim().to_ascii_uppercase();
         if upper.starts_with("PROJECTION") {
             return of_arc_info(&upper);
@@ -109,7 +116,7 @@ impl Coordinates {
         } else {
             last_unit(horizontal).map(|unit_m| Self::Lengths { unit_m })
         };
-        (coordinates, last_unit(heights))
+        SpatialReference { coordinates, height_unit_m: last_unit(heights) }
     }
 
     /// Says why cells with these coordinates cannot be used, and which command helps; `None` if they are measured in metres.
@@ -183,7 +190,7 @@ pub(super) fn are_likely_degrees([west, south]: [f64; 2], size: [f64; 2], cell: 
 }
 
 /// Reads a description in the key words of ArcInfo: `Projection UTM`, `Units METERS`, `Zunits FEET`.
-fn of_arc_info(upper: &str) -> (Option<Coordinates>, Option<f64>) {
+fn of_arc_info(upper: &str) -> SpatialReference {
     let value = |key: &str| {
         let lines = upper.lines().map(|line| line.split_ascii_whitespace().collect::<Vec<_>>());
         lines
@@ -203,7 +210,7 @@ fn of_arc_info(upper: &str) -> (Option<Coordinates>, Option<f64>) {
         _ if units == "DD" => Some(Coordinates::Degrees),
         _ => unit_m(&units).map(|unit_m| Coordinates::Lengths { unit_m }),
     };
-    (coordinates, value("ZUNITS").and_then(|word| unit_m(&word)))
+    SpatialReference { coordinates, height_unit_m: value("ZUNITS").and_then(|word| unit_m(&word)) }
 }
 
 impl GeoKeys {
@@ -233,7 +240,7 @@ impl GeoKeys {
         }
         let of_epsg = self.epsg().map(|number| Coordinates::of_epsg(number.into()));
         let text = self.ascii.split_once("ESRI PE String = ").map(|(_, text)| text);
-        let named = of_epsg.or_else(|| Coordinates::of_text(text?).0);
+        let named = of_epsg.or_else(|| Coordinates::of_text(text?).coordinates);
         let is_cylinder = self.listed(PROJECTION_METHOD).is_some_and(|method| CYLINDER_METHODS.contains(&method));
         match self.listed(LINEAR_UNITS) {
             _ if matches!(named, Some(Coordinates::WebMercator | Coordinates::Unusable)) => named,
@@ -370,9 +377,9 @@ mod tests {
             ("Projection GEOGRAPHIC\nUnits DD".to_owned(), Some(Coordinates::Degrees), false),
             ("hello".to_owned(), None, false),
         ] {
-            let (coordinates, unit_m) = Coordinates::of_text(&text);
+            let SpatialReference { coordinates, height_unit_m } = Coordinates::of_text(&text);
             assert_eq!(
-                (coordinates, unit_m.is_some_and(|it| (it - US_SURVEY_FOOT_M).abs() < 1e-9)),
+                (coordinates, height_unit_m.is_some_and(|it| (it - US_SURVEY_FOOT_M).abs() < 1e-9)),
                 (expected, height_unit),
                 "{text}"
             );

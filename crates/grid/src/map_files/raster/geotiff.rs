@@ -44,12 +44,14 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
     let TiffSize { rows, cols, bands, bits, mask } = tiff_header::check(&mut bytes)?;
     let mut decoder =
         tiff_chunks::open(&bytes, MAX_CHUNK).map_err(|message| RasterFault::Damaged { message })?.map_err(damaged)?;
+    // The header was read twice, by the check and by the decoder; a file may fool one of them.
     if decoder.dimensions().map_err(damaged)? != (cols as u32, rows as u32) {
         return Err(RasterFault::Damaged { message: "its header gives its size twice".into() });
     }
     let crs = geo_keys(&mut decoder)?;
     let place = RasterCorner::read(&mut decoder, crs.as_ref())?;
     let cell_m = place.cell_m;
+    // Files may count rows from the south.
     let south_m = if place.south_first { place.edge_m } else { place.edge_m - rows as f64 * cell_m };
     let coordinates = crs.as_ref().and_then(GeoKeys::coordinates);
     check_place([place.west_m, south_m], [cols, rows], cell_m, coordinates)?;
@@ -76,6 +78,7 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
     let band = |(mut values, items): (Vec<f32>, BandItems)| {
         let mut nodata = nodata;
         if valid.is_some() || items.scale != 1.0 || items.offset != 0.0 {
+            // Scaled values are no longer equal to the file's value for no data, so NaN takes its place.
             for (index, value) in values.iter_mut().enumerate() {
                 let is_valid = valid.as_ref().map_or(nodata != Some(*value), |valid| valid[index] > 0.0);
                 *value = if is_valid { narrowed(f64::from(*value) * items.scale + items.offset) } else { f32::NAN };

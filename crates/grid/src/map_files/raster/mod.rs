@@ -17,7 +17,7 @@ pub(super) mod tiff_header;
 use std::io;
 use std::path::Path;
 
-use crs::Coordinates;
+use crs::{Coordinates, SpatialReference};
 pub use error::{RasterError, RasterFault};
 use serde::{Deserialize, Serialize};
 
@@ -147,7 +147,8 @@ fn parse_bands(bytes: Vec<u8>, path: Option<&Path>) -> Result<Vec<Band>, RasterF
     } else if tiff_header::is_start(&bytes) {
         geotiff::parse_bands(bytes)
     } else if ascii::is_start(&bytes) || lcp::is_start(&bytes) {
-        let (coordinates, height_unit_m) = path.map_or((None, None), sidecars::projection);
+        let SpatialReference { coordinates, height_unit_m } =
+            path.map_or(SpatialReference::default(), sidecars::projection);
         let mut bands = if lcp::is_start(&bytes) {
             lcp::parse(&bytes, coordinates)?
         } else {

@@ -5,17 +5,17 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::RasterFault;
-use super::crs::Coordinates;
+use super::crs::{Coordinates, SpatialReference};
 use wildfire_base::input_file;
 
 /// The most bytes of such a file that are read.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads the coordinate system, and the unit of heights in metres, from the `.prj` file of a raster.
-pub(super) fn projection(path: &Path) -> (Option<Coordinates>, Option<f64>) {
+/// Reads the coordinate system from the `.prj` file of a raster.
+pub(super) fn projection(path: &Path) -> SpatialReference {
     let texts = ["prj", "PRJ"].map(|ending| input_file::read_text(&path.with_extension(ending), MAX_BYTES));
     let text = texts.into_iter().find_map(Result::ok);
-    text.map_or((None, None), |text| Coordinates::of_text(&text))
+    text.map_or(SpatialReference::default(), |text| Coordinates::of_text(&text))
 }
 
 /// Refuses a raster whose numbers a file beside it changes.

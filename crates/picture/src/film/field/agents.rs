@@ -3,7 +3,7 @@
 use crate::canvas::{Canvas, Pen, Point};
 use crate::colours::{PAPER, UNIMOG, WUMPUS, agent_colour};
 use crate::film::field::Pane;
-use crate::film::field::clusters::{agent_clusters, draw_cluster};
+use crate::film::field::clusters::{Cluster, agent_clusters, draw_cluster};
 use crate::film::field::sprite::{Placement, UNIMOG_SPRITE, WHEEL_SPRITE, WUMPUS_SPRITE};
 use crate::film::lettering::Lettering;
 use crate::marks::to_f32;
@@ -37,10 +37,10 @@ pub fn draw_agents(canvas: &mut Canvas, pane: &Pane, lettering: &mut Lettering) 
         return;
     }
     for (role, colour) in [(Role::Wumpus, WUMPUS), (Role::Unimog, UNIMOG)] {
-        for (at, agents) in agent_clusters(pane, role) {
-            match agents.as_slice() {
+        for Cluster { at, members } in agent_clusters(pane, role) {
+            match members.as_slice() {
                 [alone] => draw_mark(canvas, pane, *alone),
-                many => draw_cluster(canvas, pane, lettering, (at, many.len()), (role, colour)),
+                many => draw_cluster(canvas, pane, lettering, at, many.len(), role, colour),
             }
         }
     }

@@ -35,13 +35,16 @@ const SEEN: f32 = 0.1;
 /// A bush that burns counts as many times in the colour of a glow.
 const BURNING_COUNTS: u32 = 4;
 
-/// Returns the squares that have places, in order of rows and columns: the mean of these in the pane, and what is there. The lattice
-/// is shifted by a share of a square.
-fn clusters<T>(
-    pane: &Pane,
-    (square, shift): (f32, f64),
-    places: impl Iterator<Item = (DVec2, T)>,
-) -> Vec<(Point, Vec<T>)> {
+/// What lies close together.
+#[derive(Debug)]
+pub struct Cluster<T> {
+    /// The mean of their places in the pane.
+    pub at: Point,
+    pub members: Vec<T>,
+}
+
+/// Returns the squares that have places, in order of rows and columns. The lattice is shifted by a share of a square.
+fn clusters<T>(pane: &Pane, (square, shift): (f32, f64), places: impl Iterator<Item = (DVec2, T)>) -> Vec<Cluster<T>> {
     let side = f64::from(square * pane.unit());
     let origin = pane.projection.place(DVec2::ZERO);
     let mut squares: BTreeMap<(i32, i32), (DVec2, Vec<T>)> = BTreeMap::new();
@@ -52,11 +55,15 @@ fn clusters<T>(
         *sum += place;
         there.push(what);
     }
-    squares.into_values().map(|(sum, there)| ((sum / there.len() as f64).as_vec2().into(), there)).collect()
+    let clusters = squares.into_values().map(|(sum, members)| {
+        let at = (sum / members.len() as f64).as_vec2().into();
+        Cluster { at, members }
+    });
+    clusters.collect()
 }
 
 /// Returns the agents of a role that are close together, by their places in the setting.
-pub fn agent_clusters(pane: &Pane, role: Role) -> Vec<(Point, Vec<usize>)> {
+pub fn agent_clusters(pane: &Pane, role: Role) -> Vec<Cluster<usize>> {
     let agents = pane.setting().agents.iter().zip(&pane.view.state.agents).enumerate();
     let places = agents.filter(|(_, (start, _))| start.id.role == role);
     // Marks of both roles are to hide each other seldom.
@@ -69,8 +76,10 @@ pub fn draw_cluster(
     canvas: &mut Canvas,
     pane: &Pane,
     lettering: &mut Lettering,
-    (at, count): (Point, usize),
-    (role, colour): (Role, Rgb),
+    at: Point,
+    count: usize,
+    role: Role,
+    colour: Rgb,
 ) {
     let unit = pane.unit();
     let half = (HALF_MARK + PER_DOUBLING * count.max(1).ilog2() as f32) * unit;
@@ -96,7 +105,7 @@ pub fn draw_glows(canvas: &mut Canvas, pane: &Pane) {
     let places = changed.map(|(cell, kind)| (pane.frame().centre(cell), kind));
     let side = FIRE_SQUARE * pane.unit() / pane.cell_side();
     let max = SEEN * side * side;
-    for (at, kinds) in clusters(pane, (FIRE_SQUARE, 0.0), places) {
+    for Cluster { at, members: kinds } in clusters(pane, (FIRE_SQUARE, 0.0), places) {
         let radius = (GLOW + GLOW_PER_DOUBLING * kinds.len().ilog2() as f32) * pane.unit();
         if (kinds.len() as f32) < max && pane.is_near(at, radius) {
             draw_glow(canvas, at, radius, mean_colour(&kinds));

@@ -204,7 +204,7 @@ impl GroundView {
             let middle = long.map(|line| place(&line.points[line.points.len() / 2]).as_vec2());
             if let Some(at) = middle.filter(|at| pane.is_near((at.x, at.y), 0.0)) {
                 let size = 8.0 * unit;
-                draw_text_on(canvas, label, (at.x, at.y + 0.5 * size), Align::Centre, size, (PAPER, INK));
+                draw_text_on(canvas, label, (at.x, at.y + 0.5 * size), Align::Centre, size, PAPER, INK);
             }
         }
     }
@@ -233,9 +233,8 @@ impl GroundView {
 pub(super) fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
     let now = pane.view.state.time;
     let Some(ground) = pane.view.run.index().ground() else { return };
-    let is_wet = |from: SimTime, until: SimTime| from <= now && now < until;
-    let mut wet: Vec<_> =
-        ground.wettings().iter().filter(|wet| is_wet(wet.from, wet.until)).map(|wet| (wet.cell, wet.until)).collect();
+    let wet = ground.wettings().iter().filter(|wet| wet.from <= now && now < wet.until);
+    let mut wet: Vec<_> = wet.map(|wet| (wet.cell, wet.until)).collect();
     // By cell index, so that a cell that was wetted twice is painted once.
     wet.dedup_by_key(|&mut (cell, _)| cell);
     for (cell, until) in wet {

@@ -8,7 +8,7 @@ use crate::film::field::Pane;
 use crate::film::field::lines::{Dashes, draw_visible_line};
 use crate::marks::to_f32;
 use wildfire_base::geometry::{Cell, DVec2, ops};
-use wildfire_timeline::{Activity, Body};
+use wildfire_timeline::{Activity, Body, SuppressionSpan};
 
 /// Drops of the jet, in pixels, and how fast they fly: pixels in a simulated second.
 const DROP: f64 = 7.0;
@@ -24,7 +24,9 @@ pub fn draw_suppressions(canvas: &mut Canvas, pane: &Pane) {
     let (run, state) = (pane.view.run, pane.view.state);
     for (index, agent) in state.agents.iter().enumerate() {
         let stop = run.index().stop_at(index, state.time).filter(|_| agent.activity == Activity::Suppressing);
-        let (Some((since, cell, lasts)), Body::Truck(body)) = (stop, pane.setting().agents[index].body) else {
+        let (Some(SuppressionSpan { since, cell, lasts }), Body::Truck(body)) =
+            (stop, pane.setting().agents[index].body)
+        else {
             continue;
         };
         let centre = body.body_centre(agent.pose);

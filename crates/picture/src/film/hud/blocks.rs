@@ -139,9 +139,9 @@ pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
         .zip(&view.counts)
         .map(|(setting, counts)| [counts.wumpus_score(&setting.rules), counts.truck_score(&setting.rules)])
         .collect();
-    let is_there = |role| settings().any(|setting| agents_of(setting, role) > 0);
     let sides = [(0, "Wumpus", WUMPUS, Role::Wumpus), (1, "Unimog", UNIMOG, Role::Unimog)];
-    let sides = sides.into_iter().filter(|(.., role)| is_there(*role)).map(|(side, name, colour, _)| {
+    let present = sides.into_iter().filter(|(.., role)| settings().any(|setting| agents_of(setting, *role) > 0));
+    let sides = present.map(|(side, name, colour, _)| {
         let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
         marks.extend(values(scores.iter().map(|score| points_text(score[side])), TextFace::STRONG));
         PanelLine::new(marks)

@@ -64,7 +64,7 @@ fn is_too_late(run: &RunView, state: &State, index: usize, agent: &AgentState) -
         return false;
     };
     let arrives = if agent.activity == Activity::Suppressing {
-        run.index().stop_at(index, state.time).map(|(since, ..)| since)
+        run.index().stop_at(index, state.time).map(|stop| stop.since)
     } else {
         run.index().leg_at(index, state.time).map(|leg| leg.trajectory(run.timeline()).end_time())
     };

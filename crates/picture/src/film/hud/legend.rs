@@ -84,10 +84,17 @@ pub fn points_sentence(setting: &Setting) -> String {
     if sides.is_empty() { String::new() } else { format!("Points: {}.", sides.join("; ")) }
 }
 
-/// Lists signs and what they mean, as far as one of the runs has them, on panes of that side in pixels: paths first.
-pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<(LegendSign, String)> {
+/// A sign and what it means.
+#[derive(Debug)]
+pub struct LegendEntry {
+    pub sign: LegendSign,
+    pub text: String,
+}
+
+/// Lists the signs that one of the runs has, on panes of that side in pixels: paths first.
+pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
     let mut entries = Vec::new();
-    let mut add = |sign, text: &str| entries.push((sign, text.to_owned()));
+    let mut add = |sign, text: &str| entries.push(LegendEntry { sign, text: text.to_owned() });
     add(LegendSign::Line(0.0, 0.0), "driven in the last 2 min");
     add(LegendSign::Line(0.25, 0.3), "driven or planned in reverse");
     add(LegendSign::Line(0.8, 0.5), "planned; brackets: the goal");
@@ -125,15 +132,15 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<(LegendSign, Str
 /// The block of the legend: a line for each path, two entries of other kinds in one, then what gives points.
 pub fn legend_block(view: &HudView) -> PanelBlock {
     let entries = legend_entries(view.runs, view.pane_side);
-    let is_cell = |sign: &LegendSign| matches!(sign, LegendSign::Cell(_) | LegendSign::Ground(_));
-    let marks = |from: f32, (sign, text): &(LegendSign, String)| {
-        let name = from + if is_cell(sign) { 1.9 } else { NAME };
+    let is_cell = |entry: &LegendEntry| matches!(entry.sign, LegendSign::Cell(_) | LegendSign::Ground(_));
+    let marks = |from: f32, entry: &LegendEntry| {
+        let name = from + if is_cell(entry) { 1.9 } else { NAME };
         [
-            LineMark::Legend { from, sign: *sign },
-            LineMark::Left { from: name, text: text.clone(), face: TextFace::faint() },
+            LineMark::Legend { from, sign: entry.sign },
+            LineMark::Left { from: name, text: entry.text.clone(), face: TextFace::faint() },
         ]
     };
-    let (cells, lines): (Vec<_>, Vec<_>) = entries.iter().partition(|(sign, _)| is_cell(sign));
+    let (cells, lines): (Vec<_>, Vec<_>) = entries.iter().partition(|entry| is_cell(entry));
     let mut all: Vec<PanelLine> = lines.iter().map(|entry| PanelLine::new(marks(0.0, entry).to_vec())).collect();
     let pairs = cells.chunks(2).map(|pair| {
         let each = pair.iter().zip([0.0, 0.5 * ROOM]).flat_map(|(entry, from)| marks(from, entry));

@@ -47,7 +47,7 @@ pub fn draw_message(pen: &mut TextPen, layout: &FrameLayout, message: &str) {
 }
 
 fn shortened(pen: &TextPen, text: &str, width: f32) -> String {
-    fitted(text, (pen.height(TextFace::STRONG), TextFace::STRONG.weight), width - 2.0 * pen.length(INSIDE + OUTSIDE))
+    fitted(text, pen.height(TextFace::STRONG), TextFace::STRONG.weight, width - 2.0 * pen.length(INSIDE + OUTSIDE))
 }
 
 /// A line of text in a box.

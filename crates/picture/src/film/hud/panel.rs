@@ -148,7 +148,7 @@ impl PanelLine {
                 LineMark::Left { from, text, face } => {
                     let x = left + pen.length(*from);
                     let room = self.next_text(pen, (left, right), x) - x;
-                    pen.write(&fitted(text, (pen.height(*face), face.weight), room), (x, base), Align::Left, *face);
+                    pen.write(&fitted(text, pen.height(*face), face.weight, room), (x, base), Align::Left, *face);
                 }
                 LineMark::Right { to, text, face } => {
                     pen.write(text, (right - pen.length(*to), base), Align::Right, *face);

@@ -15,12 +15,12 @@ use crate::film::hud::formatting::activity_name;
 use crate::film::hud::legend::points_sentence;
 use crate::film::hud::stories::{burned_for, cells_word, change_text};
 use crate::film::{RunView, Verdict};
-use wildfire_base::geometry::{Cell, Pose};
+use wildfire_base::geometry::Pose;
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Piece;
 use wildfire_base::untrusted::visible;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, Role, Rules};
+use wildfire_timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, Role, Rules, SuppressionSpan};
 
 /// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
 const PER_METRE: f64 = 1e4;
@@ -340,13 +340,13 @@ fn push_piece(table: &mut PieceTable, piece: &Piece) {
 
 fn stop_table(run: &RunView, agent: usize) -> StopTable {
     let frame = run.timeline().setting.frame;
-    let mut stops: Vec<(SimTime, Cell, SimTime)> =
+    let mut stops: Vec<SuppressionSpan> =
         run.index().changes_of_agent(agent).filter_map(|time| run.index().stop_at(agent, time)).collect();
     stops.dedup();
     StopTable {
-        time_ns: time_differences(stops.iter().map(|stop| stop.0)),
-        lasts_ns: stops.iter().map(|stop| stop.2.as_nanos()).collect(),
-        cell: stops.iter().map(|stop| frame.index(stop.1)).collect(),
+        time_ns: time_differences(stops.iter().map(|stop| stop.since)),
+        lasts_ns: stops.iter().map(|stop| stop.lasts.as_nanos()).collect(),
+        cell: stops.iter().map(|stop| frame.index(stop.cell)).collect(),
     }
 }
 

@@ -26,7 +26,7 @@ use crate::film::field::sprite::{
     WUMPUS_SPRITE,
 };
 use crate::film::hud::chart::CountScale;
-use crate::film::hud::legend::{LegendSign, legend_entries, run_sentence};
+use crate::film::hud::legend::{LegendEntry, LegendSign, legend_entries, run_sentence};
 use crate::film::{BINDINGS, Camera, CameraTarget, FrameRequest, Layer, RunView, Selected};
 use wildfire_base::document::escaped_html;
 use wildfire_fire::BushStateKind;
@@ -270,7 +270,7 @@ fn shown_layers(runs: &[&RunView]) -> impl Iterator<Item = Layer> {
 /// The pane of a page in an ordinary window, in pixels.
 const USUAL_SIDE: f64 = 700.0;
 
-fn legend_data((sign, text): (LegendSign, String)) -> (&'static str, String, String) {
+fn legend_data(LegendEntry { sign, text }: LegendEntry) -> (&'static str, String, String) {
     let (kind, colour) = match sign {
         LegendSign::Line(0.0, _) => ("driven", String::new()),
         LegendSign::Line(dash, gap) => (if dash < gap { "reverse" } else { "planned" }, String::new()),

@@ -69,6 +69,7 @@ impl Flood {
             memory: memory.holder(MemoryKind::Floods),
             is_short: false,
         };
+        // No drive begins at a pose that collides: the flood stays empty.
         if checker.clearance(root) > 0.0 && flood.has_memory_for(1) {
             flood.keep(root, NONE, 0);
         }
@@ -131,6 +132,7 @@ impl Flood {
 
     /// Spreads from the next pose, if there is one.
     fn spread_next(&mut self) -> bool {
+        // For all motions at once, so that a pose is never spread from by halves.
         if !self.has_memory_for(self.motions.len()) {
             return false;
         }
@@ -277,6 +279,7 @@ impl BinPages {
         let page = self.blocks[block] as usize + page;
         if self.pages[page] == NONE {
             self.pages[page] = self.poses.len() as u32;
+            // Reserved exactly: doubling would take memory that was not asked for.
             let room = self.bins_after(self.page_len()).expect("the flood asked before");
             self.poses.reserve_exact(room - self.poses.len());
             self.poses.resize(self.poses.len() + self.page_len(), NONE);
@@ -290,6 +293,7 @@ impl BinPages {
     /// Returns all poses in bins within `reach` of a place along both axes, and some more.
     fn about(&self, centre: DVec2, reach: f64) -> impl Iterator<Item = u32> + '_ {
         let range = |middle: f64, bins: usize| {
+            // The cast clamps at 0, where the disc reaches beyond the field.
             let low = ((middle - reach) / self.lattice.bin_m) as usize;
             let high = ((middle + reach) / self.lattice.bin_m) as usize;
             low..high.saturating_add(1).min(bins)

@@ -53,6 +53,7 @@ impl CorridorGraph {
     fn join(&mut self, checker: &CollisionChecker, start: DVec2) {
         let squares = self.squares;
         let mut at_work = self.memory.beside();
+        // Without memory nothing is joined, and nothing is proven.
         if !at_work.cover(squares.count() * BYTES_AT_WORK) {
             return;
         }

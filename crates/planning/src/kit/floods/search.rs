@@ -131,29 +131,34 @@ impl FloodSearch {
         }
     }
 
-    /// Finds a path within the budget; also returns the number of poses from which the floods spread.
+    /// Finds a path within the budget; adds the number of poses from which the floods spread to `expansions`.
     pub fn find_within(
         &mut self,
         query: &FloodQuery,
         observer: &mut dyn PlanningObserver,
-    ) -> (Result<Path, PlanFailure>, u32) {
+        expansions: &mut u32,
+    ) -> Result<Path, PlanFailure> {
         self.left = query.budget;
         let path = self.find(query, observer);
-        (path, query.budget - self.left)
+        *expansions += query.budget - self.left;
+        path
     }
 
     fn find(&mut self, query: &FloodQuery, observer: &mut dyn PlanningObserver) -> Result<Path, PlanFailure> {
         let &FloodQuery { start, goal, lattices, .. } = query;
         let profile = ClearanceProfile::new(CLEARANCE_M, free_ends(&self.checker, start, Target::from(&goal))?);
+        // A flood is of one start: of another one it says nothing.
         let kept = self.floods.take().filter(|floods| floods.root() == start);
         let mut floods = kept.unwrap_or_else(|| Floods::new(&self.checker, &self.memory, start));
         let mut path = Err(PlanFailure::Disconnected);
         for place in 0..lattices {
+            // The proof is cheap beside a finer flood, and only needed if the coarse one failed.
             if place > 0 && floods.exclude(goal.disc(self.checker.body())) {
                 path = Err(PlanFailure::Disconnected);
                 break;
             }
             let flood = floods.on(place);
+            // A flood that is kept had spread already; only what this query would have spread from is counted.
             let left = self.left;
             let found = self.meet(flood, goal, &profile);
             observer.on_edges_examined(SearchPhase::Local, &mut flood.reached(left - self.left));
@@ -161,6 +166,7 @@ impl FloodSearch {
                 path = Ok(found);
                 break;
             }
+            // An unfinished flood proves nothing about the goal.
             if self.left == 0 || flood.is_full() {
                 path = Err(PlanFailure::BudgetSpent);
             }
@@ -185,12 +191,14 @@ impl FloodSearch {
     /// Goes from a pose near the goal into it, by the cheapest curve that is free.
     fn expand_analytically(&self, flood: &Flood, goal: Goal, profile: &ClearanceProfile, budget: u32) -> Option<Path> {
         let disc = goal.disc(self.checker.body());
+        // A lattice pose is rarely in a small goal, but a short curve from beside it may end there.
         let near = GoalDisc { radius_m: disc.radius_m + NEAR_M, ..disc };
         let ways = flood.found_in(near, budget).filter_map(|index| {
             let pose = flood.path_to(index).end();
             Some((index, pose, self.heuristic.without_bushes(pose, None, Target::from(&goal)).expansion?))
         });
         let mut ways: Vec<(u32, Pose, AnalyticExpansion)> = ways.collect();
+        // All are priced before any is swept, as sweeps cost the most; ties by index keep runs alike.
         ways.sort_by(|(index, _, one), (other, _, two)| one.cost.total_cmp(&two.cost).then(index.cmp(other)));
         let is_free = |pose, way: &AnalyticExpansion| profile.way_is_free(&self.checker, pose, way.segments());
         let (index, _, way) = ways.into_iter().find(|(_, pose, way)| is_free(*pose, way))?;

@@ -99,6 +99,7 @@ impl LocalSearch {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, max_m);
             let profile = ClearanceProfile::from_start(min_clearance_m, start, start_clearance);
             let budget = self.settings.max_expansions;
+            // What a stage did not spend falls to none of the later ones: each has its own part of the budget.
             let limit = self.expansions.saturating_add(part_of(budget, stage.effort)).min(budget);
             let query = PrimitiveQuery { checker: &self.checker.clone(), profile: &profile, start, waypoints, goal };
             match self.follow(&query, limit, observer) {
@@ -106,6 +107,7 @@ impl LocalSearch {
                     if let Goal::Disc(disc) = goal
                         && self.settings.aimed
                     {
+                        // An aimed way may end deeper in the disc than it has to.
                         self.search.steering().shorten_end(&mut path, disc, |pose, segment| {
                             profile.motion_is_free(&self.checker, pose, segment)
                         });
@@ -134,6 +136,7 @@ impl LocalSearch {
         observer: &mut dyn PlanningObserver,
     ) -> Result<Path, SearchFailure> {
         let PrimitiveQuery { waypoints, goal, .. } = *query;
+        // The last waypoint is passed on the way into the goal, so it is not a stop.
         let stops = if self.settings.restart_at_waypoints { waypoints.len().saturating_sub(1) } else { 0 };
         let mut path = Path::standing(query.start);
         let mut pose = query.start;
@@ -145,6 +148,7 @@ impl LocalSearch {
                 (&waypoints[stops..], goal)
             };
             let leg = PrimitiveQuery { start: pose, waypoints, goal, ..*query };
+            // The budget is that of the whole route: legs before may have spent it.
             let found = self.search.run(&leg, limit.saturating_sub(self.expansions));
             self.expansions += self.search.expansions();
             observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines());

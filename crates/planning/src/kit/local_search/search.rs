@@ -186,6 +186,7 @@ impl PrimitiveSpace<'_> {
         let Self { query, primitives } = self;
         let centre = query.checker.body().body_centre(pose);
         let sight_m = 0.5 * query.checker.body().width_m + primitives.settings.clearance_m;
+        // It never goes back to an earlier waypoint, so that a search makes progress along the route.
         let mut next = from as usize;
         while next + 1 < query.waypoints.len()
             && (centre.distance(query.waypoints[next]) <= primitives.settings.waypoint_tolerance_m
@@ -237,6 +238,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
     fn estimate(&mut self, node: &mut Node<WaypointProgress>) -> Option<f64> {
         let waypoint = self.next_waypoint(node.pose, node.mark.waypoint);
         node.mark = WaypointProgress { waypoint, way: NO_WAY };
+        // To a pose the curve's own length is the estimate, as turning into the heading may cost more than the way.
         if let Goal::Pose(end) = self.query.goal
             && self.query.is_last(waypoint)
         {
@@ -249,6 +251,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         let Primitives { price, settings, steering, .. } = &*self.primitives;
         let gap = centre.distance(disc.centre);
         let straight = (gap - disc.radius_m).max(0.0);
+        // The divisor is never 0 at the disc's centre, where the straight way is 0 too.
         let rim = centre.lerp(disc.centre, straight / gap.max(f64::MIN_POSITIVE));
         let straight = straight + price.line_surcharge(centre, rim);
         if !settings.aimed {
@@ -258,6 +261,8 @@ impl SearchSpace for PrimitiveSpace<'_> {
         match steering.best_into(node.pose, disc, node.reverse) {
             Some(way) => {
                 let cost = way.cost + price.way_surcharge(node.pose, way.pieces());
+                // A turn that must first back out would look as if the disc were far away; the cap keeps such poses in
+                // the race.
                 node.cost_to_go = cost.min(straight + DETOUR_CAP_M) + tail;
                 node.mark.way = self.primitives.add_way(way);
             }
@@ -276,6 +281,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         let node = *search.node(index);
         let weight = self.weight();
         let WaypointProgress { waypoint, way } = node.mark;
+        // A pose is reached by its curve, not by aiming at its place.
         let to_pose = matches!(self.query.goal, Goal::Pose(_));
         if to_pose && self.query.is_last(waypoint) {
             search.push(node.cost + weight * node.cost_to_go, node.cost, index, Step::Arrive);
@@ -284,6 +290,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
             if way != NO_WAY {
                 self.offer(search, index, Steered { waypoint, way });
             }
+            // Aiming past the next waypoints cuts corners that the roadmap's milestones only happen to have.
             let last = self.query.waypoints.len().saturating_sub(1) as u32;
             let ahead = waypoint + 1..=last.min(waypoint + AIM_AHEAD);
             for waypoint in ahead.filter(|&ahead| !(to_pose && self.query.is_last(ahead))) {
@@ -305,6 +312,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
             if node.is_undone_by(motion) {
                 continue;
             }
+            // The cost-to-go holds the surcharges of the way ahead, so that of this motion is taken off it.
             let surcharge = price.surcharge(node.pose, motion);
             let cost = node.cost + (price.cost(motion, node.reverse) + surcharge);
             let gained = gap - (centre + DVec2::new(cos, sin).rotate(shifts[choice])).distance(disc.centre);
@@ -327,6 +335,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
         }
         let mut node = Node { mark: WaypointProgress { waypoint: steered.waypoint, way: NO_WAY }, ..start };
         let mut parent = from.node;
+        // A piece without length would be a node at its parent's pose.
         let pieces = [turn, straight].map(|piece| (piece.length_m != 0.0).then_some(piece));
         let last = if pieces[1].is_some() { 1 } else { 0 };
         for (place, motion) in pieces.into_iter().enumerate().filter_map(|(place, piece)| Some((place, piece?))) {

@@ -40,7 +40,8 @@ impl TruckPlanner for LatticePlanner {
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Local));
         let query = FloodQuery { budget: self.max_expansions, ..FloodQuery::new(start, goal.with_margin()) };
-        let (path, local_expansions) = self.search.find_within(&query, observer);
+        let mut local_expansions = 0;
+        let path = self.search.find_within(&query, observer, &mut local_expansions);
         observer.begins(None);
         let found = path.map(|path| Found { path, by: FoundBy::Lattice });
         Plan::new(found, Effort { roadmap_expansions: 0, local_expansions })

@@ -279,7 +279,8 @@ mod tests {
                         solved += 1;
                     }
                     Err(_) => {
-                        let (found, _) = oracle.find_within(&FloodQuery::new(start, goal), &mut NullObserver);
+                        let query = FloodQuery::new(start, goal);
+                        let found = oracle.find_within(&query, &mut NullObserver, &mut 0);
                         missed += u32::from(found.is_ok());
                     }
                 }

@@ -110,9 +110,11 @@ impl PrmRs {
         if found.is_some() || !self.is_unjoined {
             return found;
         }
+        // Joining sweeps many edges, so it waits for the first query that fails without it, and is done once.
         self.is_unjoined = false;
         self.roadmap.join_components();
         self.roadmap.build_graph();
+        // Its notes are numbered by the nodes and links of the old graph.
         self.search = RoadmapSearch::new(self.checker.body(), &self.memory, &self.roadmap);
         self.find_between(&ends, start, target, effort, observer)
     }
@@ -143,6 +145,7 @@ impl PrmRs {
                 start,
                 target,
             };
+            // With each level the profile asks for less clearance, so that the first path found keeps the most.
             let path = self.search.run(&query, &mut self.roadmap);
             observer.on_edges_examined(SearchPhase::Query, &mut self.search.lines(false));
             observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines(true));
@@ -179,6 +182,7 @@ fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
     let mut rng = (context.stream)("prm-rs");
     let mut watch = CpuStopwatch::start();
     let mut sampler = Sampler::new(checker, settings.clearance_m, &mut rng);
+    // Corner samples come after the random ones, so that their number does not change these.
     let mut poses = sampler.draw(settings.samples_on(checker.field().frame()));
     poses.extend(sampler.corner_samples(settings.corner_places));
     let sampling = watch.elapsed_since_last();
@@ -240,17 +244,20 @@ impl TruckPlanner for PrmRs {
 impl PrmRs {
     fn plan_into(&mut self, start: Pose, target: Target<'_>, observer: &mut dyn PlanningObserver) -> Plan {
         observer.begins(Some(PlanningWork::Roadmap));
+        // Only between queries: a search holds numbers of nodes.
         self.roadmap.forget_beyond(MAX_REMEMBERED);
         let mut effort = Effort::default();
         let found = self.find(start, target, &mut effort, observer);
         observer.begins(Some(PlanningWork::Local));
         let found = match found {
             Some((Found { path, by }, Some(profile))) => {
+                // The stream is cloned, so that a query draws the same numbers whatever was asked before.
                 let path = self.improver.improve(&path, &profile, self.improvement, &mut self.rng.clone());
                 Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by })
             }
             Some((found, None)) => Ok(found),
             None => {
+                // To an observer the fallback is no search of its own: where it begins was shown.
                 let found = self.fallback.find(start, target, &mut ConnectionsOnly(observer));
                 effort.local_expansions += self.fallback.expansions();
                 found

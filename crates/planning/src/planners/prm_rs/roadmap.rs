@@ -238,8 +238,10 @@ impl Roadmap {
         let here = self.nodes[node as usize];
         let mut near = Vec::new();
         self.within(here.pose.position(), self.max_edge_m, &mut near);
+        // The node is within reach of itself.
         near.retain(|&(_, other)| other != node);
         self.keep_nearest(&here, self.neighbours_when_lazy(), &mut near);
+        // The links of a node are next to each other in `edges`, so a range of numbers is all that is kept of them.
         let first = self.edges.len() as u32;
         let edges = near.iter().map(|&(_, to)| RoadmapEdge { nodes: [node, to], way: None, is_free: [None; LEVELS] });
         self.edges.extend(edges);
@@ -286,8 +288,12 @@ impl Roadmap {
         self.clearances_m[level]
     }
 
-    pub fn curves(&self) -> (&ReedsShepp, &CurvePrice) {
-        (&self.curves, &self.price)
+    pub fn curves(&self) -> &ReedsShepp {
+        &self.curves
+    }
+
+    pub fn curve_price(&self) -> &CurvePrice {
+        &self.price
     }
 
     /// Replaces what `found` holds by the nodes within `reach_m` of a place, with their distances, nearest first.
@@ -302,7 +308,7 @@ impl Roadmap {
             RoadmapMode::Eager { places, .. } => places.within(place, reach_m, found),
             RoadmapMode::Lazy { tiles, sampling, .. } => {
                 let mut nodes = TileSampler { checker: &self.checker, sampling: *sampling, nodes: &mut self.nodes };
-                tiles.within(&mut nodes, (place, reach_m), found);
+                tiles.within(&mut nodes, place, reach_m, found);
             }
         }
     }
@@ -328,6 +334,7 @@ impl Roadmap {
             }
             let node = Milestone::new(pose);
             let number = self.nodes.len() as u32;
+            // Before the node itself is added, so that it is joined only to predecessors and each pair has one edge.
             self.within(pose.position(), self.max_edge_m, &mut near);
             self.keep_nearest(&node, self.neighbours, &mut near);
             self.edges.extend(near.iter().map(|&(_, other)| RoadmapEdge {
@@ -362,6 +369,7 @@ impl Roadmap {
     fn sweep_between_components(&mut self) {
         for edge in std::mem::replace(&mut self.examined, self.edges.len())..self.edges.len() {
             let [a, b] = self.edges[edge].nodes;
+            // An edge inside a component joins nothing; it is swept when a search asks for it.
             if self.joined.equiv(a, b) {
                 continue;
             }
@@ -379,17 +387,20 @@ impl Roadmap {
     fn keep_nearest(&self, node: &Milestone, count: usize, near: &mut Vec<(f64, u32)>) {
         for (metres, other) in near.iter_mut() {
             let there = &self.nodes[*other as usize];
+            // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
             let middle = node.pose.position().lerp(there.pose.position(), 0.5);
             let is_hopeless = self.checker.field().lower_bound(middle) < HOPELESS_M;
             *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
         }
         near.retain(|&(metres, _)| metres < f64::INFINITY);
         if near.len() > count {
+            // Selecting is linear where sorting all would not be; ties by rank keep the same neighbours in every run.
             let order =
                 |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)));
             near.select_nth_unstable_by(count, order);
             near.truncate(count);
         }
+        // The selection leaves them in an order that depends on the library.
         self.put_in_order(near);
     }
 

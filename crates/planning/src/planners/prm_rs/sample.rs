@@ -125,8 +125,10 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
 fn convex_corners<'a>(field: &'a ClearanceField, block: &'a CellBlock) -> impl Iterator<Item = (DVec2, f64)> + 'a {
     // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
     let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
-    let place = |row: usize, col: usize| DVec2::new(col as f64, row as f64) * field.frame().cell_m;
-    corners_of_one(field.occupied(), block).map(move |(row, col, only)| (place(row, col), outwards(only)))
+    corners_of_one(field.occupied(), block).map(move |(row, col, only)| {
+        let place = DVec2::new(col as f64, row as f64) * field.frame().cell_m;
+        (place, outwards(only))
+    })
 }
 
 /// Lists the south-west corners of a block's cells that lie inside the field and at which one of four cells is a bush,

@@ -233,7 +233,7 @@ impl RoadmapSpace<'_> {
     }
 
     fn cusp_cost(&self, here: &Node<Mark>, departs_reverse: bool) -> f64 {
-        if here.turns_back(departs_reverse) { self.roadmap.curves().1.cusp_m } else { 0.0 }
+        if here.turns_back(departs_reverse) { self.roadmap.curve_price().cusp_m } else { 0.0 }
     }
 
     /// Offers curves from the start to the milestones about it, at what they cannot cost less than.
@@ -254,6 +254,7 @@ impl RoadmapSpace<'_> {
         let Self { query, roadmap, notes, .. } = self;
         let mut leads_from_about = |position: DVec2, reach_m: f64| {
             roadmap.near(position, reach_m, &mut notes.near);
+            // Each try is a sweep, so only some of the nearest are asked.
             notes.near.iter().take(GOAL_TRIES).any(|&(_, node)| {
                 let pose = roadmap.pose(node);
                 let expansion = query.heuristic.without_bushes(pose, None, query.target).expansion;
@@ -267,6 +268,7 @@ impl RoadmapSpace<'_> {
     }
 
     fn work_out_curve(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, to: u32) {
+        // Whether any milestone leads into the goal is the same for all links, so it is asked once, when first needed.
         let serves = match self.notes.roadmap_serves {
             Some(cached) => cached,
             None => self.leads_to_goal(),
@@ -276,8 +278,10 @@ impl RoadmapSpace<'_> {
             return;
         }
         let here = *search.node(from.node);
-        let (curves, price) = self.roadmap.curves();
+        let curves = self.roadmap.curves();
+        let price = self.roadmap.curve_price();
         let way = curves.cheapest_word(here.pose, self.roadmap.pose(to), price);
+        // A curve without segments leads to a milestone at this very pose, which is no progress.
         let mut segments = way.curve.segments();
         let Some(first) = segments.next().map(|segment| segment.is_reverse()) else { return };
         let last = segments.last().map_or(first, |segment| segment.is_reverse());
@@ -314,9 +318,11 @@ impl RoadmapSpace<'_> {
     /// Closes a state if the way to it is free, and offers the links from there.
     fn enter(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, index: u32, via: NodeEntry) {
         let DirectedMilestone { is_closed, cost_to_go, expansion, .. } = self.notes.states[index as usize];
+        // The closed state is asked first, because a sweep costs much more.
         if is_closed || !self.way_is_free(search, from.node, via) {
             return;
         }
+        // Only now: a way that collides must not keep another from entering.
         self.notes.states[index as usize].is_closed = true;
         self.notes.effort.roadmap_expansions += 1;
         let node = index / 2;
@@ -333,16 +339,19 @@ impl RoadmapSpace<'_> {
             let key = from.cost + self.limits.weight * self.notes.expansions[expansion as usize].cost;
             search.push(key, from.cost, reached, Step::Arrive);
         }
+        // A lazy roadmap has links only of nodes that a search comes to.
         self.roadmap.grow_from(node);
         self.notes.know(self.roadmap);
         for number in self.roadmap.link_numbers(node) {
             let link = self.roadmap.link(number);
+            // Both directions of arrival are states; the link is useless only if both are closed.
             if self.notes.is_closed(link.to, false) && self.notes.is_closed(link.to, true) {
                 continue;
             }
             // What a link costs at least holds whether its curve is known or not.
             let cost = from.cost + self.roadmap.min_m(node, link.to);
             let key = cost + self.limits.weight * self.min_cost_to_go(self.roadmap.pose(link.to));
+            // Keys never fall along a path, whatever the estimate says.
             search.push(key.max(from.key), cost, reached, Step::Custom(RoadmapStep::Link { link: number }));
         }
     }

@@ -99,6 +99,7 @@ impl Insertion {
 /// Auctions the fires and returns the routes of all trucks by number.
 pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<TruckRoute<'a>> {
     let auctioneer = Auctioneer { open, threats: threats(open.team, &open.fires) };
+    // By number, as fires are looked up for every bid.
     let mut won = vec![false; open.fires.len()];
     let trucks = open.team.trucks.iter();
     let mut routes: Vec<TruckRoute<'_>> =
@@ -118,6 +119,7 @@ pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<TruckRoute<'a>>
                 }
             }
             if let Some(&bid) = route.bids.last()
+                // The best is last in each list, so popping it is cheap.
                 && best.is_none_or(|(_, best)| bid.beats(&best))
             {
                 best = Some((number, bid));
@@ -126,6 +128,7 @@ pub fn routes<'a>(open: &OpenFires<'a>, effort: &mut u64) -> Vec<TruckRoute<'a>>
         let Some((number, bid)) = best else { return routes };
         won[bid.fire] = true;
         auctioneer.insert(&mut routes[number], bid);
+        // Only the winner's route has changed: other trucks' bids stay as they were.
         routes[number].bids = auctioneer.bids(&routes[number], &won, effort);
     }
 }
@@ -138,6 +141,7 @@ struct Auctioneer<'a> {
 impl Auctioneer<'_> {
     /// Draws up a truck's bids for fires that nobody has won, the best last.
     fn bids(&self, route: &TruckRoute<'_>, won: &[bool], effort: &mut u64) -> Vec<Insertion> {
+        // Far ahead everything is a guess, and insertions grow with the square of the stops.
         if route.stops.len() >= MAX_STOPS {
             return Vec::new();
         }
@@ -156,11 +160,13 @@ impl Auctioneer<'_> {
             };
             near.extend(self.open.index.nearest(place, EXAMINED, range_m, is_free).into_iter().map(|(_, fire)| fire));
         }
+        // Fires are near more than one stop.
         near.sort_unstable();
         near.dedup();
         let mut bids: Vec<Insertion> = Vec::new();
         for fire in near {
             let mut best: Option<Insertion> = None;
+            // All places of the route: a fire on the way to a later one costs little.
             for at in 0..=route.stops.len() {
                 *effort += 1;
                 let bid = self.bid(route, fire, at);
@@ -180,10 +186,12 @@ impl Auctioneer<'_> {
         let (from, departs) = self.before(route, at);
         let place = self.open.fires[fire].place;
         let out_at = departs + team.stop_time(truck.speed_mps, from, place);
+        // Too late itself; whether it makes later stops late costs more to find.
         if out_at > team.due(&self.open.fires[fire]) {
             return None;
         }
         let delay = self.delay_of_rest(route, at, (place, out_at))?;
+        // Keeps trucks from turning round for a gain within the estimates' error.
         let kept_s = if at == 0 && truck.goal == Some(self.open.fires[fire].cell) { KEPT_S } else { 0.0 };
         let bushes = bushes_saved(self.open, &self.threats, fire, out_at);
         let later_s = LATER_S * (out_at - team.now).as_seconds();
@@ -197,6 +205,7 @@ impl Auctioneer<'_> {
         let mut delay = SimTime::ZERO;
         let (mut from, mut departs) = (place, out_at);
         for (number, stop) in (at + 1..).zip(&route.stops[at..]) {
+            // Without water to fetch the delay is the same for all later stops, so it need not be driven through.
             if team.water.is_none() && number > at + 1 {
                 // What comes later is late by the same time.
                 if stop.out_at + delay > stop.due {
@@ -238,6 +247,7 @@ impl Auctioneer<'_> {
     fn insert(&self, route: &mut TruckRoute<'_>, bid: Insertion) {
         let fire = &self.open.fires[bid.fire];
         route.stops.insert(bid.at, RouteStop { fire: bid.fire, out_at: SimTime::ZERO, due: self.open.team.due(fire) });
+        // Stops before it keep their times.
         for at in bid.at..route.stops.len() {
             let (from, departs) = self.before(route, at);
             let place = self.open.fires[route.stops[at].fire].place;

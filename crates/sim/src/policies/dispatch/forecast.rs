@@ -106,6 +106,7 @@ impl<'a> TeamForecast<'a> {
         };
         (0..future.fires.len()).for_each(|fire| future.expect(fire));
         let index = |cell: Cell| self.team.frame.index(cell);
+        // Fires are in order of cell index.
         let number = |cell: Cell| self.fires.binary_search_by_key(&index(cell), |fire| index(fire.cell)).ok();
         for (truck, seen) in self.team.trucks.iter().enumerate() {
             let place = seen.place;
@@ -119,6 +120,7 @@ impl<'a> TeamForecast<'a> {
                 future.due.push(Reverse((self.team.sets_out_at(seen), ForecastEvent::TruckFree(truck))));
             }
         }
+        // After all trucks are there, as sending one needs its place only.
         for &(truck, cell) in goals {
             if let Some(fire) = number(cell) {
                 future.send(truck, fire);
@@ -146,6 +148,7 @@ struct Future<'a> {
 impl Future<'_> {
     fn play(mut self) -> Loss {
         while let Some(&Reverse((time, due))) = self.due.peek()
+            // What ends later is burning at the end, and counted there.
             && time <= self.of.end
         {
             self.due.pop();
@@ -167,6 +170,7 @@ impl Future<'_> {
             }
         }
         self.wait_until(self.of.end);
+        // A fire that a truck is on its way to counts as stopped.
         self.loss.bushes += self.fires.iter().filter(|fire| fire.burns && !fire.is_claimed).count() as u32;
         self.loss
     }
@@ -194,6 +198,7 @@ impl Future<'_> {
         let team = self.of.team;
         for &(cols, rows) in &self.of.near {
             let Some(cell) = team.frame.offset(from, cols, rows) else { continue };
+            // The bound keeps a rollout cheap where everything burns; the order of tests puts the set's insertion last.
             if self.fires.len() >= MAX_FIRES || !team.intact.is_intact(cell) || !self.ignited.insert(cell) {
                 continue;
             }
@@ -222,6 +227,7 @@ impl Future<'_> {
 
     /// Sends free trucks to the nearest fires that they can save, always the truck first whose fire is out first.
     fn send_all(&mut self) {
+        // Each free truck's best fire waits here; it bids again only if another truck has taken that.
         let mut bids: BinaryHeap<Reverse<(SimTime, usize, usize)>> = BinaryHeap::new();
         for truck in (0..self.trucks.len()).filter(|&truck| self.trucks[truck].is_free) {
             bids.extend(self.best_for(truck).map(Reverse));
@@ -233,6 +239,7 @@ impl Future<'_> {
                 self.send(truck, fire);
             }
         }
+        // An idle truck has seen all fires of now: later it looks only at new ones.
         self.trucks.iter_mut().for_each(|truck| truck.is_idle = truck.is_free);
         self.seen = self.fires.len();
     }

@@ -30,6 +30,7 @@ impl Assignment for Hungarian {
         for &truck in &queried {
             let prospects = (0..open.fires.len()).filter_map(|fire| open.prospect(&team.trucks[truck], fire));
             let cost = |out_at: SimTime, fire: usize| {
+                // In seconds: a bush that is saved is worth some of them.
                 (out_at - team.now).as_seconds() - BUSH_S * f64::from(bushes_saved(&open, &threats, fire, out_at))
             };
             let mut row: Vec<_> = prospects.map(|p| (cost(p.out_at, p.fire), p.fire)).collect();
@@ -39,6 +40,7 @@ impl Assignment for Hungarian {
             row.truncate(queried.len());
             rows.push(row);
         }
+        // Only fires that some truck would take: the method's effort grows with the columns.
         let mut columns: Vec<usize> = rows.iter().flatten().map(|&(_, fire)| fire).collect();
         columns.sort_unstable();
         columns.dedup();

@@ -11,12 +11,14 @@ pub struct NearestByNumber;
 
 impl Assignment for NearestByNumber {
     fn assign(&mut self, team: &Team<'_>, effort: &mut u64) -> Vec<(AgentId, Cell)> {
+        // Trucks that are not asked keep their fires.
         let mut taken: Vec<Cell> =
             team.trucks.iter().filter(|truck| !truck.is_queried).filter_map(|truck| truck.goal).collect();
         let mut goals = Vec::new();
         for truck in team.trucks.iter().filter(|truck| truck.is_queried) {
             let left = team.fires.iter().filter(|fire| !taken.contains(&fire.cell));
             let squared_m = |place: glam::DVec2| (place - truck.place).length_squared();
+            // Of equally near ones the first, which has the smallest cell index.
             let nearest = left.min_by(|a, b| squared_m(a.place).total_cmp(&squared_m(b.place)));
             *effort += team.fires.len() as u64;
             if let Some(fire) = nearest {

@@ -57,6 +57,7 @@ pub fn nearest_first(
             pairs.push((truck, prospect.fire));
         }
     }
+    // By truck, whatever order they won in.
     pairs.sort_unstable();
     pairs
 }

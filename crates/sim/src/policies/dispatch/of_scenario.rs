@@ -1,20 +1,26 @@
 //! The policy of a team that its scenario asks for.
 
+use std::sync::Arc;
+
 use super::policy::{DispatchPolicy, FleetContext, TruckContext};
 use super::team::{Assignment, StagingRule, TeamRules};
-use super::{AssignmentRule, IdleRule, NearestByDrive, make};
+use super::{
+    Auction, Centroids, Hungarian, LearnedPosts, NearestByDrive, NearestByNumber, NearestSavable, Regions,
+    RegionsFirst, Rollout, ThreatFirst,
+};
 use crate::policies::learned::Networks;
 use crate::policies::nearest::Nearest;
 use crate::policies::{PerAgentPolicy, Policy};
 use wildfire_base::time::SimTime;
-use wildfire_scenario::{self as scenario, Extinguishes, FireModelName, Scenario, SightOfField, Terrain};
+use wildfire_scenario::{self as scenario, Extinguishes, FireModelName, IdleRule, Scenario, SightOfField, Terrain};
 use wildfire_timeline::{AgentId, WaterRules};
 
 /// Makes the policy of all trucks of a run, if the scenario dispatches them.
 pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRules>) -> Option<Box<dyn Policy>> {
     let dispatch = scenario.dispatch.as_ref()?;
     let sight = scenario.sight.clone().unwrap_or_default();
-    let is_plain = dispatch.idle == scenario::IdleRule::Stay && sight.field != SightOfField::Radius;
+    // Rules that a truck can follow alone need no team: it then decides when it is free.
+    let is_plain = dispatch.idle == IdleRule::Stay && sight.field != SightOfField::Radius;
     if is_plain && dispatch.seconds_per_evaluation == 0.0 {
         match dispatch.policy {
             scenario::DispatchPolicy::Nearest => return Some(Box::new(PerAgentPolicy(Nearest))),
@@ -31,9 +37,8 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
         bushes: terrain.bushes.clone().into(),
         trucks: (0..).map(AgentId::unimog).zip(&scenario.unimog).map(truck_site).collect(),
     };
-    let (assignment, positioning) = halves(dispatch, &Networks::new(scenario.learned.as_ref()));
-    let policy = DispatchPolicy::new(site, assignment, positioning, dispatch.seconds_per_evaluation);
-    Some(Box::new(policy))
+    let rules = DispatchRules::new(dispatch, &Networks::new(scenario.learned.as_ref()));
+    Some(Box::new(DispatchPolicy::new(site, rules, dispatch.seconds_per_evaluation)))
 }
 
 fn truck_site((id, truck): (AgentId, &scenario::Unimog)) -> TruckContext {
@@ -53,23 +58,37 @@ fn rules(scenario: &Scenario) -> TeamRules {
     }
 }
 
-/// Makes what the scenario names: who goes where, and where the others wait if they do not stay where they are.
-fn halves(dispatch: &scenario::Dispatch, networks: &Networks) -> (Box<dyn Assignment>, Option<Box<dyn StagingRule>>) {
-    let idle = match dispatch.idle {
-        scenario::IdleRule::Stay => IdleRule::Stay,
-        scenario::IdleRule::Centroids => IdleRule::Centroids,
-        scenario::IdleRule::Regions => IdleRule::Regions,
-        scenario::IdleRule::Learned => IdleRule::Learned,
-    };
-    let rule = match dispatch.policy {
-        scenario::DispatchPolicy::Nearest => AssignmentRule::Nearest,
-        scenario::DispatchPolicy::NearestByDrive => AssignmentRule::NearestByDrive,
-        scenario::DispatchPolicy::NearestSavable => AssignmentRule::NearestSavable,
-        scenario::DispatchPolicy::Hungarian => AssignmentRule::Hungarian,
-        scenario::DispatchPolicy::ThreatFirst => AssignmentRule::ThreatFirst,
-        scenario::DispatchPolicy::Auction => AssignmentRule::Auction,
-        scenario::DispatchPolicy::Rollout => AssignmentRule::Rollout { rollouts: dispatch.rollouts },
-    };
-    let (assignment, positioning) = make(rule, idle, networks);
-    (assignment, (idle != IdleRule::Stay).then_some(positioning))
+/// The rules of a team's policy, which are asked in turn for one run.
+#[derive(Clone)]
+pub struct DispatchRules {
+    pub assignment: Box<dyn Assignment>,
+    /// Trucks stay where they are if there is none.
+    pub staging: Option<Box<dyn StagingRule>>,
+}
+
+impl DispatchRules {
+    /// Makes the rules that a scenario names.
+    pub fn new(dispatch: &scenario::Dispatch, networks: &Networks) -> Self {
+        let assignment: Box<dyn Assignment> = match dispatch.policy {
+            scenario::DispatchPolicy::Nearest => Box::new(NearestByNumber),
+            scenario::DispatchPolicy::NearestByDrive => Box::new(NearestByDrive),
+            scenario::DispatchPolicy::NearestSavable => Box::new(NearestSavable),
+            scenario::DispatchPolicy::Hungarian => Box::new(Hungarian),
+            scenario::DispatchPolicy::ThreatFirst => Box::new(ThreatFirst),
+            scenario::DispatchPolicy::Auction => Box::new(Auction),
+            scenario::DispatchPolicy::Rollout => Box::new(Rollout { rollouts: dispatch.rollouts }),
+        };
+        match dispatch.idle {
+            IdleRule::Stay => Self { assignment, staging: None },
+            IdleRule::Centroids => Self { assignment, staging: Some(Box::<Centroids>::default()) },
+            IdleRule::Learned => {
+                let learned = LearnedPosts::new(Arc::clone(&networks.posts));
+                Self { assignment, staging: Some(Box::new(learned)) }
+            }
+            // Trucks also serve their own regions first.
+            IdleRule::Regions => {
+                Self { assignment: Box::new(RegionsFirst(assignment)), staging: Some(Box::<Regions>::default()) }
+            }
+        }
+    }
 }

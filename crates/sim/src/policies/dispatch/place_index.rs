@@ -30,6 +30,7 @@ impl PlaceIndex {
         let rows = (frame.height_m() / bucket_m).ceil() as i64;
         let mut index = Self { places, bucket_m, cols, rows, begins: Vec::new(), order: Vec::new() };
         let buckets: Vec<usize> = index.places.iter().map(|&place| index.bucket_at(place)).collect();
+        // A counting sort: buckets lie one after the other in one list.
         index.begins = vec![0; (cols * rows) as usize + 1];
         buckets.iter().for_each(|&bucket| index.begins[bucket + 1] += 1);
         (1..index.begins.len()).for_each(|bucket| index.begins[bucket] += index.begins[bucket - 1]);
@@ -53,6 +54,7 @@ impl PlaceIndex {
     ) -> Vec<(f64, usize)> {
         let mut found: Vec<(f64, usize)> = Vec::new();
         let (col, row) = self.bucket_of(from);
+        // Outwards, so that far buckets are never looked at.
         for ring in 0..self.cols.max(self.rows) {
             // Nothing in this ring or beyond is nearer than that; places as far as the last one found may still win by number.
             let min_m = (ring - 1) as f64 * self.bucket_m;
@@ -73,6 +75,7 @@ impl PlaceIndex {
                         let metres = (self.places[number as usize] - from).length();
                         let number = number as usize;
                         let at = found.partition_point(|&other| other < (metres, number));
+                        // The caller's test is last, as it may estimate a whole drive.
                         if metres <= max_m && at < count && accept(number) {
                             found.truncate(count - 1);
                             found.insert(at, (metres, number));

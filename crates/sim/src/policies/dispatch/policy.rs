@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use super::team::{Assignment, Fire, Intact, StagingRule, Team, TeamRules, TeamTruck};
+use super::of_scenario::DispatchRules;
+use super::team::{Assignment, Fire, Intact, Team, TeamRules, TeamTruck};
 use crate::policies::{Action, AgentView, Observation, Policy, PolicyScope};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -40,31 +41,25 @@ pub struct TruckContext {
 #[derive(Clone)]
 pub struct DispatchPolicy {
     site: FleetContext,
-    assignment: Box<dyn Assignment>,
-    /// Trucks stay where they are if there is none.
-    positioning: Option<Box<dyn StagingRule>>,
+    rules: DispatchRules,
     /// Simulated time for each pair of a truck and a fire that is looked at, or for each rollout.
     seconds_per_evaluation: f64,
     charge: SimTime,
 }
 
 impl DispatchPolicy {
-    pub fn new(
-        site: FleetContext,
-        assignment: Box<dyn Assignment>,
-        positioning: Option<Box<dyn StagingRule>>,
-        seconds_per_evaluation: f64,
-    ) -> Self {
-        Self { site, assignment, positioning, seconds_per_evaluation, charge: SimTime::ZERO }
+    pub fn new(site: FleetContext, rules: DispatchRules, seconds_per_evaluation: f64) -> Self {
+        Self { site, rules, seconds_per_evaluation, charge: SimTime::ZERO }
     }
 }
 
 impl Policy for DispatchPolicy {
     fn choose(&mut self, seen: &Observation<'_>, queried: &[AgentId]) -> Vec<(AgentId, Action)> {
+        // Counted, not timed: planning time must be the same on every machine.
         let mut effort = 0;
         let knowledge = FleetKnowledge::new(&self.site, seen);
         let team = knowledge.team(queried);
-        let goals = assign(self.assignment.as_mut(), &team, seen, &mut effort);
+        let goals = assign(self.rules.assignment.as_mut(), &team, seen, &mut effort);
         let goal_of = |id: AgentId| goals.iter().find(|&&(truck, _)| truck == id).map(|&(_, cell)| cell);
         let free = team.trucks.iter().filter(|truck| truck.is_queried && goal_of(truck.id).is_none());
         // Trucks without a goal refill first.
@@ -72,8 +67,8 @@ impl Policy for DispatchPolicy {
         let (full, to_refill): (Vec<&TeamTruck>, Vec<&TeamTruck>) =
             free.partition(|truck| truck.stops_left >= full_tank);
         let idle: Vec<AgentId> = full.iter().map(|truck| truck.id).collect();
-        let posts = match &mut self.positioning {
-            Some(positioning) if !idle.is_empty() => positioning.staging_points(&team, &idle),
+        let posts = match &mut self.rules.staging {
+            Some(staging) if !idle.is_empty() => staging.staging_points(&team, &idle),
             _ => Vec::new(),
         };
         let choice = |id: AgentId| {
@@ -82,7 +77,7 @@ impl Policy for DispatchPolicy {
             let refills = !truck.is_queried || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), staging_point, truck.goal) {
                 (None, ..) if refills => Action::Refill,
-                (Some(_), _, _) if self.assignment.is_by_drive() => Action::GoToNearest,
+                (Some(_), _, _) if self.rules.assignment.is_by_drive() => Action::GoToNearest,
                 (Some(cell), _, _) => Action::Go(cell),
                 (None, Some(place), _) => Action::Move(place),
                 // What it went for is not worth it any more.
@@ -97,7 +92,7 @@ impl Policy for DispatchPolicy {
     }
 
     fn asking(&self) -> PolicyScope {
-        PolicyScope::Team { replans: self.assignment.replans() }
+        PolicyScope::Team { replans: self.rules.assignment.replans() }
     }
 
     fn charge(&self) -> SimTime {
@@ -122,6 +117,7 @@ fn assign(
     for (truck, cell) in assignment.assign(team, effort) {
         let is_taken = kept.contains(&cell) || goals.iter().any(|&(_, other)| other == cell);
         let is_queried = team.trucks.iter().any(|other| other.id == truck && other.is_queried);
+        // Rules may be custom: what they assign twice or to others is passed over.
         if !is_queried || is_taken {
             continue;
         }
@@ -139,6 +135,7 @@ fn assign(
             trucks: team.trucks.iter().map(|other| TeamTruck { is_queried: other.id == truck, ..*other }).collect(),
             ..team.clone()
         };
+        // The same rule for this truck alone, so that it chooses as the team would.
         let found = assignment.assign(&rest, effort).into_iter();
         goals.extend(found.filter(|&(id, cell)| id == truck && rest.fires.iter().any(|fire| fire.cell == cell)));
     }
@@ -198,6 +195,7 @@ impl<'a> FleetKnowledge<'a> {
                 goal: view.goal,
                 staging_point: view.staging_point,
                 start: truck.start,
+                // Without water it cannot take a fire, only be free after a refill.
                 is_queried: queried.contains(&truck.id) && view.stops_left != Some(0),
                 stops_left: view.stops_left.unwrap_or(u32::MAX),
             })
@@ -237,6 +235,7 @@ impl<'a> FleetKnowledge<'a> {
             let burns_out = burn_out.map_or(SimTime::MAX, |burn_out| since + burn_out);
             let rules = &self.site.rules;
             let spreads = rules.spread.filter(|_| rules.caught_spreads || self.fires.is_source(cell));
+            // A fire that has spread already threatens nothing more.
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
             (self.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
@@ -343,7 +342,8 @@ mod tests {
         let trucks = [AgentId::unimog(0), AgentId::unimog(1)];
         let agents = [agent(AgentId::wumpus(0), 100.0), agent(trucks[0], 12.0), agent(trucks[1], 30.0)];
         let recording = Recording::default();
-        let mut policy = DispatchPolicy::new(site(sight), Box::new(recording.clone()), None, 0.5);
+        let rules = DispatchRules { assignment: Box::new(recording.clone()), staging: None };
+        let mut policy = DispatchPolicy::new(site(sight), rules, 0.5);
         let now = SimTime::from_seconds(20.0);
         let seen = Observation { now, fires: &fires, agents: &agents, options_of: &options };
         let choices = policy.choose(&seen, &trucks);

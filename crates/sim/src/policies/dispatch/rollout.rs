@@ -45,7 +45,9 @@ impl Assignment for Rollout {
             best: None,
             tried: Vec::new(),
         };
+        // First, so that at equal loss trucks keep what they are going for.
         search.consider(kept(&open));
+        // Every cheap rule's plan is a start; improving one is better than starting from nothing.
         for rule in [&mut Auction as &mut dyn Assignment, &mut NearestSavable, &mut Hungarian, &mut ThreatFirst] {
             let plan = plan_of(&open, &rule.assign(team, &mut 0));
             search.consider(plan);

@@ -160,7 +160,7 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
         }
     }
     if let (&[one, other], Some(rows)) = (runs, difference) {
-        draw_differences(&mut pen, rows, (one, other));
+        draw_differences(&mut pen, rows, one, other);
     }
     draw_time_axis(&mut pen);
     pen.canvas

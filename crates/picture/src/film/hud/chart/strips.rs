@@ -63,7 +63,7 @@ pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &Ru
         LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: blend(PAPER, INK, 0.7) };
     let base = top as f32 + 1.3 * style.height;
     if height as f32 > 3.0 * style.height {
-        let note = fitted(&note, (style.height, style.weight), plan.columns.1 as f32);
+        let note = fitted(&note, style.height, style.weight, plan.columns.1 as f32);
         lettering.draw(canvas, &note, (plan.columns.0 as f32 + plan.length(0.6), base), Align::Left, style);
     }
 }
@@ -194,8 +194,8 @@ const CURVES: [CountCurve; 2] = [
 ];
 
 /// Draws how much larger the counts of the first run are than those of the second.
-pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, runs: (&RunView, &RunView)) {
-    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, runs, curve.count)));
+pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, one: &RunView, other: &RunView) {
+    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, one, other, curve.count)));
     let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
     let largest = round_step(largest);
     draw_value_axis(pen, rows, (-largest, largest));
@@ -204,16 +204,17 @@ pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, runs: (&RunView, &Ru
     let width = pen.plan.columns.1 as f32;
     pen.canvas.fill_rect(left, top + 0.5 * height, width, 1.0, FAINT_INK);
     for (colour, values) in &curves {
-        let y = |value: f64| top + 0.5 * height * (1.0 - to_f32(value / largest));
-        let points: Vec<Point> =
-            values.iter().zip(0_u16..).map(|(&value, x)| (left + f32::from(x) + 0.5, y(value))).collect();
-        pen.canvas.polyline(&points, pen.plan.length(0.18).max(1.5), *colour);
+        let points = values.iter().zip(0_u16..).map(|(&value, column)| {
+            let y = top + 0.5 * height * (1.0 - to_f32(value / largest));
+            (left + f32::from(column) + 0.5, y)
+        });
+        pen.canvas.polyline(&points.collect::<Vec<Point>>(), pen.plan.length(0.18).max(1.5), *colour);
     }
     draw_key(pen, top);
 }
 
 /// Returns the difference in the middle of each column.
-fn differences(pen: &ChartPen, (one, other): (&RunView, &RunView), count: fn(&BushCounts) -> u32) -> Vec<f64> {
+fn differences(pen: &ChartPen, one: &RunView, other: &RunView, count: fn(&BushCounts) -> u32) -> Vec<f64> {
     let width = pen.plan.columns.1;
     let times = (0..width).map(|column| column_time(column, width, pen.end));
     times.map(|time| f64::from(count(&one.counts_at(time))) - f64::from(count(&other.counts_at(time)))).collect()
