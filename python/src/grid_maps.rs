@@ -172,9 +172,9 @@ pub fn search_grid<'py>(
     };
     let occupied = occupied.checked(MAX_SEARCHED_CELLS)?;
     let searched = py.detach(|| match order {
-        Some(order) => search_best_first(&occupied, ends, order, connectivity, corners),
-        None if method == "jps" => jump_point_search(&occupied, ends, corners),
-        None => theta_star(&occupied, ends, corners),
+        Some(order) => search_best_first(&occupied, ends.0, ends.1, order, connectivity, corners),
+        None if method == "jps" => jump_point_search(&occupied, ends.0, ends.1, corners),
+        None => theta_star(&occupied, ends.0, ends.1, corners),
     });
     let searched = searched.map_err(|bad| bad_end(ends.1, &bad))?;
     let number = |(row, col): Place| [row as i64, col as i64];
