@@ -211,6 +211,7 @@ class Desk {
     }
 
     async start(game = this.written()) {
+        await this.ready;
         const round = ++this.round;
         const isCurrent = () => round === this.round;
         if (this.isBusy) this.module.restart();
