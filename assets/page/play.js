@@ -166,6 +166,7 @@ class Desk {
         } catch (error) {
             const reason = error.constructor === Error ? `: ${error.message}` : "";
             this.tell(`${where} contains no valid game${reason}.`);
+            byId("cover").hidden = false;
             return;
         }
         await this.start(game);
@@ -584,6 +585,9 @@ async function begin() {
     desk.playRecorded(await unpacked("run-data").json());
     window.desk = desk;
     desk.say("");
+    const setup = JSON.parse(byId("setup-data").textContent);
+    // A game that is there already needs no choice.
+    byId("cover").hidden = location.hash.length > 1 || setup.plays.length > 0;
     // The module, which stands at the end of the page, is decoded after the first pictures.
     for (let frame = 0; frame < 3 || document.readyState === "loading"; frame++) await new Promise(requestAnimationFrame);
     if (typeof WebAssembly === "undefined" || typeof Worker === "undefined") {
@@ -594,7 +598,6 @@ async function begin() {
     try {
         const module = new Module(await WebAssembly.compile(await unpacked("module").arrayBuffer()));
         desk.takeModule(module, await module.ask({ do: "catalogue" }));
-        const setup = JSON.parse(byId("setup-data").textContent);
         desk.fillIn(setup);
         if (location.hash.length > 1) await desk.startFrom("The address of this page", () => unpackedGame(location.hash.slice(1)));
         else if (setup.plays.length > 0) await desk.startFrom("This page", () => setup);
