@@ -591,7 +591,7 @@ async function begin() {
     // The module, which stands at the end of the page, is decoded after the first pictures.
     for (let frame = 0; frame < 3 || document.readyState === "loading"; frame++) await new Promise(requestAnimationFrame);
     if (typeof WebAssembly === "undefined" || typeof Worker === "undefined") {
-        byId("cover").hidden = true;
+        byId("cover").hidden = byId("desk").hidden = true;
         desk.tell("This browser is too old to run the simulation: it lacks WebAssembly or Worker. You see a recorded run.");
         return;
     }
