@@ -34,8 +34,8 @@ class Chart {
 
     // Draws the current state of the runs.
     takeRuns() {
-        // A run without fire ends immediately.
-        this.endNs = Math.max(1, ...this.runs.map((run) => run.end_ns));
+        // A run without fire ends immediately, and a game may ask at its start.
+        this.endNs = Math.max(NANOS, ...this.runs.map((run) => run.end_ns));
         this.keptKey = "";
         this.lanes = Math.max(...this.runs.map((run) => this.lanesOf(run).length));
     }
