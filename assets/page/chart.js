@@ -1,5 +1,6 @@
 // The curves over time, which form the timeline: stacked counts of bushes by state, with marks of events above; for two runs
-// also their difference. The future is paler.
+// also their difference. Ground that burns is shown in hectares. What was seen before is paler, and what is still to come is not
+// shown, unless the viewer wants it.
 
 // All in pixels of the page.
 const CHART_LEFT = 64;
@@ -11,7 +12,7 @@ const AXIS = 24;
 const GAP = 12;
 // Between the marks of events and the curves.
 const BELOW_LANES = 5;
-// The share of colour that the future keeps.
+// The share of colour that what comes later keeps.
 const AHEAD = 0.35;
 // Lost, burning, saved and intact, from the bottom up.
 const STACKED = [BURNED_OUT, BURNING, EXTINGUISHED, INTACT];
@@ -26,20 +27,37 @@ class Chart {
     constructor(canvas, data, runs) {
         Object.assign(this, { canvas, runs, colours: data.colours, stateColours: data.state_colours });
         this.context = canvas.getContext("2d");
-        this.kept = ["past", "ahead"].map(() => document.createElement("canvas"));
+        this.kept = ["past", "ahead", "unseen"].map(() => document.createElement("canvas"));
+        this.seenNs = 0;
         this.takeRuns();
     }
 
     // Draws the current state of the runs.
     takeRuns() {
-        // A run without fire ends immediately.
-        this.endNs = Math.max(1, ...this.runs.map((run) => run.end_ns));
+        // A run without fire ends immediately, and a game may ask at its start.
+        this.endNs = Math.max(NANOS, ...this.runs.map((run) => run.end_ns));
         this.keptKey = "";
+        this.lanes = Math.max(...this.runs.map((run) => this.lanesOf(run).length));
     }
 
-    // Lanes of marks above the counts of a run: verdicts on decisions have one if there are any.
-    get lanes() {
-        return this.runs.some((run) => run.verdicts.length > 0) ? 4 : 3;
+    // Lanes of marks above the curves of a run: verdicts on decisions have one if there are any.
+    lanesOf(run) {
+        const changes = (kind) => run.changes.times.filter((_, index) => run.changes.to[index] === kind);
+        const lanes = run.isOfGround
+            ? [["embers", [[this.colours.burning, run.ground.spotTimes]]]]
+            : [
+                  ["ignitions", [[this.colours.burning, changes(BURNING)]]],
+                  ["put out", [[this.colours.extinguished, changes(EXTINGUISHED)]]],
+              ];
+        if (run.agents.length > 0) lanes.push(["failed", [[this.ink, run.failedPlans]]]);
+        if (this.runs.some(({ verdicts }) => verdicts.length > 0)) lanes.push(["decisions", run.verdicts]);
+        return lanes;
+    }
+
+    // The height of the curves: all bushes, or a round number of hectares above those seen to burn.
+    mostOf(run) {
+        if (!run.isOfGround) return run.without_intact ?? Math.max(1, run.bushCells.length);
+        return roundStep(Math.max(1e-3, run.ground.hectaresAt(this.seenNs).burned));
     }
 
     // Its height in pixels of the page.
@@ -54,29 +72,31 @@ class Chart {
         return clamp((x - CHART_LEFT) / width, 0, 1) * this.endNs;
     }
 
-    draw(ns, pixelRatio) {
+    draw(ns, pixelRatio, seenNs) {
         const { canvas, context } = this;
         const size = [canvas.clientWidth, this.height];
         const theme = getComputedStyle(document.documentElement);
         this.ink = theme.getPropertyValue("--ink").trim();
         this.faint = theme.getPropertyValue("--faint").trim();
         this.paper = theme.getPropertyValue("--paper").trim();
-        const key = [size, pixelRatio, this.ink].join("|");
+        this.seenNs = seenNs;
+        const key = [size, pixelRatio, this.ink, ...this.runs.map((run) => this.mostOf(run))].join("|");
         if (key !== this.keptKey) {
             this.keptKey = key;
             Object.assign(canvas, { width: Math.round(size[0] * pixelRatio), height: Math.round(size[1] * pixelRatio) });
-            this.kept.forEach((kept, index) => this.drawKept(kept, size, pixelRatio, index === 0 ? 1 : AHEAD));
+            this.kept.forEach((kept, index) => this.drawKept(kept, size, pixelRatio, [1, AHEAD, 0][index]));
         }
-        const x = CHART_LEFT + (Math.min(ns, this.endNs) / this.endNs) * (size[0] - CHART_LEFT - CHART_RIGHT);
-        const column = Math.round(x * pixelRatio);
+        const placeOf = (time) => CHART_LEFT + (Math.min(time, this.endNs) / this.endNs) * (size[0] - CHART_LEFT - CHART_RIGHT);
         context.setTransform(1, 0, 0, 1, 0, 0);
         context.clearRect(0, 0, canvas.width, canvas.height);
-        context.drawImage(this.kept[1], 0, 0);
-        if (column > 0) {
+        context.drawImage(this.kept[2], 0, 0);
+        [[1, seenNs], [0, ns]].forEach(([index, time]) => {
+            const column = time >= this.endNs ? canvas.width : Math.round(placeOf(time) * pixelRatio);
+            if (column <= 0) return;
             context.clearRect(0, 0, column, canvas.height);
-            context.drawImage(this.kept[0], 0, 0, column, canvas.height, 0, 0, column, canvas.height);
-        }
-        this.drawCursor(x, size, pixelRatio);
+            context.drawImage(this.kept[index], 0, 0, column, canvas.height, 0, 0, column, canvas.height);
+        });
+        this.drawCursor(placeOf(ns), size, pixelRatio);
     }
 
     drawCursor(x, [, height], pixelRatio) {
@@ -108,10 +128,11 @@ class Chart {
         this.runs.forEach((run, runIndex) => {
             this.drawLanes(context, run, { ...area, top }, share);
             const strip = { ...area, top: top + this.lanes * LANE + BELOW_LANES, height: STRIP };
-            const most = run.without_intact ?? Math.max(1, run.bushCells.length);
+            const most = this.mostOf(run);
             this.drawStacked(context, run, strip, most, share, pixelRatio);
-            this.drawValues(context, strip, [0, most]);
-            if (run.without_intact !== null) this.note(context, this.withoutIntact(run), strip);
+            this.drawValues(context, strip, [0, most], !run.isOfGround);
+            if (run.isOfGround) this.note(context, "hectares burned, and on fire", strip);
+            else if (run.without_intact !== null) this.note(context, "without intact bushes", strip);
             if (this.runs.length > 1) {
                 context.textAlign = "left";
                 context.font = `bold 18px ${FONT}`;
@@ -125,11 +146,6 @@ class Chart {
         this.drawTimes(context, area, height - AXIS);
     }
 
-    withoutIntact(run) {
-        const { bushes } = run.countsAt(run.end_ns);
-        return `intact bushes left out: ${bushes[INTACT]} of ${run.bushCells.length} at the end`;
-    }
-
     note(context, text, { left, top }) {
         context.textAlign = "left";
         context.fillStyle = this.ink;
@@ -137,14 +153,7 @@ class Chart {
     }
 
     drawLanes(context, run, { left, top, width }, share) {
-        const changes = (kind) => run.changes.times.filter((_, index) => run.changes.to[index] === kind);
-        const lanes = [
-            ["ignitions", [[this.colours.burning, changes(BURNING)]]],
-            ["put out", [[this.colours.extinguished, changes(EXTINGUISHED)]]],
-            ["failed", [[this.ink, run.failedPlans]]],
-        ];
-        if (run.verdicts.length > 0) lanes.push(["decisions", run.verdicts]);
-        lanes.forEach(([name, marks], index) => {
+        this.lanesOf(run).forEach(([name, marks], index) => {
             const laneTop = top + index * LANE;
             context.globalAlpha = share;
             for (const [colour, times] of marks) {
@@ -166,11 +175,11 @@ class Chart {
         const columns = Math.round(width * pixelRatio);
         context.globalAlpha = share;
         for (let column = 0; column < columns; column++) {
-            const { bushes } = run.countsAt(((column + 0.5) / columns) * this.endNs);
+            const amounts = this.amountsAt(run, ((column + 0.5) / columns) * this.endNs);
             let below = 0;
             for (const kind of STACKED) {
                 if (kind === INTACT && run.without_intact !== null) continue;
-                const [from, to] = [below, below + bushes[kind]];
+                const [from, to] = [below, Math.min(most, below + amounts[kind])];
                 below = to;
                 if (from === to) continue;
                 context.fillStyle = this.stateColours[kind];
@@ -185,36 +194,42 @@ class Chart {
         context.globalAlpha = 1;
     }
 
-    drawValues(context, { left, top, height }, [low, high]) {
-        const step = Math.max(1, roundStep((high - low) / (height / 28)));
+    // Bushes by state, or hectares that are burning or burned out.
+    amountsAt(run, ns) {
+        if (!run.isOfGround) return run.countsAt(ns).bushes;
+        const { burning, burned } = run.ground.hectaresAt(Math.min(ns, run.end_ns));
+        return { [BURNING]: burning, [BURNED_OUT]: Math.max(0, burned - burning), [EXTINGUISHED]: 0, [INTACT]: 0 };
+    }
+
+    drawValues(context, { left, top, height }, [low, high], isWhole = true) {
+        const step = Math.max(isWhole ? 1 : 0, roundStep((high - low) / (height / 28)));
         context.fillStyle = this.faint;
         context.fillRect(left - 1, top, 1, height);
         context.textAlign = "right";
-        for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
+        for (let value = Math.ceil(low / step) * step; value <= high * (1 + 1e-9); value += step) {
             const y = top + height * (1 - (value - low) / (high - low));
             context.fillStyle = this.ink;
             context.fillRect(left - 4, Math.min(y, top + height - 1), 3, 1);
-            context.fillText(`${value}`.replace("-", "\u2212"), left - 7, y + 4);
+            context.fillText(`${Number(value.toPrecision(6))}`.replace("-", "\u2212"), left - 7, y + 4);
         }
     }
 
     // The counts of the first run minus those of the second.
     drawDifference(context, area, share) {
         const { left, top, width, height } = area;
-        const burned = ({ bushes }) => bushes[BURNING] + bushes[BURNED_OUT];
-        const curves = [
-            ["burned", this.colours.burning, burned],
-            ["extinguished", this.colours.extinguished, ({ bushes }) => bushes[EXTINGUISHED]],
-        ];
+        const isOfGround = this.runs.every((run) => run.isOfGround);
+        const burned = (amounts) => amounts[BURNING] + amounts[BURNED_OUT];
+        const curves = [[isOfGround ? "burned, ha" : "burned", this.colours.burning, burned]];
+        if (!isOfGround) curves.push(["extinguished", this.colours.extinguished, (amounts) => amounts[EXTINGUISHED]]);
         const columns = Math.round(width);
         const differences = curves.map(([, , count]) =>
             Array.from({ length: columns }, (_, column) => {
-                const [one, other] = this.runs.map((run) => count(run.countsAt(((column + 0.5) / columns) * this.endNs)));
+                const [one, other] = this.runs.map((run) => count(this.amountsAt(run, ((column + 0.5) / columns) * this.endNs)));
                 return one - other;
             }),
         );
-        const largest = roundStep(Math.max(1, ...differences.flat().map(Math.abs)));
-        this.drawValues(context, area, [-largest, largest]);
+        const largest = roundStep(Math.max(isOfGround ? 1e-3 : 1, ...differences.flat().map(Math.abs)));
+        this.drawValues(context, area, [-largest, largest], !isOfGround);
         context.fillStyle = this.faint;
         context.fillRect(left, top + 0.5 * height, width, 1);
         let x = left;

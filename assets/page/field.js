@@ -144,6 +144,21 @@ class Projection {
 
 // Where the camera is: the viewer's, or about whom it follows.
 function cameraOf(run, ns, view, width, height) {
+    const camera = aimed(run, ns, view, width, height);
+    return view.isOnTour ? within(run, camera, width, height) : camera;
+}
+
+// A camera that shows no more beyond the field than it must.
+function within(run, { x, y, zoom }, width, height) {
+    const { scale } = new Projection(run, { x, y, zoom }, width, height);
+    const bounded = (middle, side, metres) => {
+        const half = Math.min(0.5, (0.5 * side) / (scale * metres));
+        return clamp(middle, half, 1 - half);
+    };
+    return { x: bounded(x, width, run.widthM), y: bounded(y, height, run.heightM), zoom };
+}
+
+function aimed(run, ns, view, width, height) {
     if (view.follows === "fleet") {
         const part = fleetBox(run, ns);
         return part === null ? view.camera : holding(run, part, width, height);
@@ -163,13 +178,8 @@ function holding(run, { low, high }, width, height) {
     const fitting = Math.min(room(width) / (high[0] - low[0]), room(height) / (high[1] - low[1])) / whole;
     const near = Math.max(run.widthM, run.heightM) / FOLLOWED_M;
     const zoom = clamp(Math.min(fitting, near), 1, 200);
-    const field = [run.widthM, run.heightM];
-    const [x, y] = [width, height].map((side, axis) => {
-        const seen = Math.min(1, side / (whole * zoom * field[axis]));
-        const middle = (0.5 * (low[axis] + high[axis])) / field[axis];
-        return Math.min(Math.max(middle, 0.5 * seen), 1 - 0.5 * seen);
-    });
-    return { x, y, zoom };
+    const middle = { x: (0.5 * (low[0] + high[0])) / run.widthM, y: (0.5 * (low[1] + high[1])) / run.heightM, zoom };
+    return within(run, middle, width, height);
 }
 
 // The part of a field that a camera on the fleet keeps in view: the mean over a minute of the boxes about trucks at work, so

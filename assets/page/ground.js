@@ -24,6 +24,8 @@ class Ground {
         this.spotTimes = sums(data.spots.time_ms).map((time) => time * MILLIS);
         this.spots = data.spots;
         this.arrival = data.arrival.map(({ time_s, label, lines }) => ({ timeNs: time_s * NANOS, label, lines: lines.map((line) => sums(line, 2)) }));
+        // A module of a page that was built before has no crews.
+        this.crews = Float64Array.from(data.crews_ms ?? [], (time) => time * MILLIS);
         this.wind = { times: Float64Array.from(data.wind.from_ms, (time) => time * MILLIS), east: data.wind.east, north: data.wind.north };
         this.sheet = this.makeSheet();
         this.picture = this.sheet.getContext("2d").createImageData(run.cols, run.rows);
@@ -102,6 +104,27 @@ class Ground {
         const perCell = this.run.cell_m ** 2 / 1e4;
         const burning = lastAt(this.ignitions, ns) - lastAt(this.ends, ns);
         return { burning: burning * perCell, burned: (lastAt(this.firsts, ns) + 1) * perCell };
+    }
+
+    // The length of the edge of what has burned. A straight front across square cells is a staircase, 4 / pi times as long in
+    // the mean over its directions.
+    perimeterAt(ns) {
+        this.edges ??= this.countEdges();
+        return (0.25 * Math.PI * this.run.cell_m * (this.edges[lastAt(this.firsts, ns)] ?? 0));
+    }
+
+    // Sides of cells between burned and other ground after each first ignition.
+    countEdges() {
+        const { cols, rows } = this.run;
+        const burned = new Set();
+        let edges = 0;
+        return this.burnings.filter(({ isFirst }) => isFirst).map(({ cell }) => {
+            const [col, row] = [cell % cols, Math.floor(cell / cols)];
+            const beside = [col > 0 && cell - 1, col + 1 < cols && cell + 1, row > 0 && cell - cols, row + 1 < rows && cell + cols];
+            edges += 4 - 2 * beside.filter((other) => other !== false && burned.has(other)).length;
+            burned.add(cell);
+            return edges;
+        });
     }
 
     windAt(ns) {

@@ -18,6 +18,14 @@ function formatPoints(score) {
     return Number.isInteger(score) ? `${score}` : score.toFixed(1);
 }
 
+function formatHectares(hectares) {
+    return `${hectares < 100 ? hectares.toFixed(2) : hectares.toFixed(0)} ha`;
+}
+
+function formatMetres(metres) {
+    return metres < 1000 ? `${metres.toFixed(0)} m` : `${(metres / 1000).toFixed(2)} km`;
+}
+
 function element(name, text = "", className = "") {
     const made = document.createElement(name);
     made.textContent = text;
@@ -45,16 +53,26 @@ class Panel {
         this.parts = Object.fromEntries(["counts", "scores", "story", "agents"].map((id) => [id, document.getElementById(id)]));
         this.isComparison = runs.length > 1;
         document.getElementById("panel").classList.toggle("two", this.isComparison);
-        this.endNs = Math.max(...runs.map((run) => run.end_ns));
+        this.isFinal = true;
         this.drawSigns(data);
-        const entries = data.legend.map(([kind, colour, text]) => {
+        const entries = data.legend.filter(([kind, , text]) => this.isThere(kind, text)).map(([kind, colour, text]) => {
             const [entry, sign] = [element("li"), element("i", "", kind)];
             sign.style.background = colour;
             entry.append(sign, text);
             return entry;
         });
         document.getElementById("legend").replaceChildren(...entries);
-        document.getElementById("points").textContent = runs[0].points;
+        document.getElementById("points").textContent = runs[0].isOfGround ? "" : runs[0].points;
+    }
+
+    // Whether a run has anything that an entry of the legend explains.
+    isThere(kind, text) {
+        const agents = this.runs.flatMap((run) => run.agents);
+        const hasTrucks = agents.some(({ is_truck }) => is_truck);
+        if (kind === "driven" || kind === "planned") return agents.length > 0;
+        if (kind === "reverse" || kind === "unimog") return hasTrucks;
+        if (kind === "wumpus") return agents.some(({ is_truck }) => !is_truck);
+        return text !== "wet" || hasTrucks;
     }
 
     // A bush in each state, before its name.
@@ -76,9 +94,9 @@ class Panel {
         const times = this.runs.map((run) => Math.min(ns, run.end_ns));
         const counts = this.runs.map((run, index) => run.countsAt(times[index]));
         this.showCounts(counts, times);
-        this.showScores(counts);
+        this.showScores(counts, times);
         this.showAgents(times);
-        this.showStory(times, view.selected);
+        this.showStory(times, view);
     }
 
     get heads() {
@@ -87,6 +105,10 @@ class Panel {
 
     showCounts(counts, times) {
         const table = this.parts.counts;
+        if (this.runs.every((run) => run.isOfGround)) {
+            setRows(table, this.groundRows(counts, times));
+            return;
+        }
         const rows = this.stateNames.map((name, kind) => {
             const numbers = counts.map(({ bushes }) => `${bushes[kind]}`);
             const all = this.runs[0].bushCells.length;
@@ -109,7 +131,30 @@ class Panel {
         });
     }
 
-    showScores(counts) {
+    // A fire on the ground: what burns, and who works against it.
+    groundRows(counts, times) {
+        const row = (name, text) => ["fire", name, ...this.runs.map((run, index) => text(run, times[index], index))];
+        const atWork = (run, ns) => run.agents.filter((agent) => ![STANDING, WAITING].includes(agent.at(ns).activity)).length;
+        const rows = [
+            row("on fire", ({ ground }, ns) => formatHectares(ground.hectaresAt(ns).burning)),
+            row("burned", ({ ground }, ns) => formatHectares(ground.hectaresAt(ns).burned)),
+            row("perimeter", ({ ground }, ns) => formatMetres(ground.perimeterAt(ns))),
+        ];
+        const has = (what) => this.runs.some(what);
+        if (has(({ agents }) => agents.length > 0)) rows.push(row("trucks at work", (run, ns) => `${atWork(run, ns)} of ${run.agents.length}`));
+        if (has(({ ground }) => ground.crews.length > 0)) {
+            rows.push(row("crews at work", ({ ground }, ns) => `${lastAt(ground.crews, ns) + 1} of ${ground.crews.length}`));
+        }
+        if (has(({ bushCells }) => bushCells.length > 0)) {
+            rows.push(row("bushes burned", ({ bushCells }, _, index) => {
+                const { bushes } = counts[index];
+                return `${bushes[BURNING] + bushes[BURNED_OUT]} of ${bushCells.length}`;
+            }));
+        }
+        return this.isComparison ? [["head", "", "A", "B"], ...rows] : rows;
+    }
+
+    showScores(counts, times) {
         const points = (side) => counts.map((count) => formatPoints(count[side]));
         const leader = ({ wumpus, truck }) => (wumpus > truck ? "Wumpus" : truck > wumpus ? "Unimog" : null);
         // Only sides with agents have points, and one can lead only if both have agents.
@@ -119,10 +164,11 @@ class Panel {
         if (hasWumpus) rows.push(["wumpus", "Wumpus", ...points("wumpus")]);
         if (hasTruck) rows.push(["unimog", "Unimog", ...points("truck")]);
         const isContest = rows.length === 2;
+        const isOver = this.runs.map((run, index) => this.isFinal && times[index] >= run.end_ns);
         if (this.isComparison) rows.unshift(["head", "points", ...this.heads]);
-        if (this.isComparison && isContest) rows.push(["faint", "leads", ...counts.map((count) => leader(count) ?? "-")]);
+        if (this.isComparison && isContest) rows.push(["faint", isOver.every((over) => over) ? "won" : "leads", ...counts.map((count) => leader(count) ?? "-")]);
         setRows(this.parts.scores, rows);
-        this.parts.scores.parentElement.hidden = !hasWumpus && !hasTruck;
+        this.parts.scores.parentElement.hidden = (!hasWumpus && !hasTruck) || this.runs.every((run) => run.isOfGround);
         const [bar, lead] = [document.getElementById("score-bar"), document.getElementById("lead")];
         bar.hidden = lead.hidden = this.isComparison || !isContest;
         const { wumpus, truck } = counts[0];
@@ -131,23 +177,26 @@ class Panel {
         bar.classList.toggle("empty", all === 0);
         const name = leader(counts[0]);
         const by = formatPoints(Math.abs(wumpus - truck));
-        lead.textContent = name === null ? "tied" : `${name} leads by ${by}`;
+        lead.textContent = name === null ? "tied" : `${name} ${isOver[0] ? "won" : "leads"} by ${by}`;
+        lead.classList.toggle("won", isOver[0]);
     }
 
     showAgents(times) {
         const isCrowded = this.runs.some((run) => run.agents.length > MAX_ONE_BY_ONE);
-        setRows(this.parts.agents, isCrowded ? this.fleetRows(times) : this.agentRows(times));
+        const rows = isCrowded ? this.fleetRows(times) : this.agentRows(times);
+        setRows(this.parts.agents, rows);
+        this.parts.agents.parentElement.hidden = rows.length === 0;
     }
 
     agentRows(times) {
         if (!this.isComparison) {
             return this.runs[0].agents.flatMap((agent) => {
                 const [state, stats] = [agent.at(times[0]), agent.statsAt(times[0])];
-                const goal = state.goal < 0 ? "no goal" : `goal ${this.runs[0].cellName(state.goal)}`;
+                const goal = state.goal < 0 ? "no goal" : `goal ${this.runs[0].wayTo(state.goal, agent.centre(state))}`;
                 return [
                     [agent.is_truck ? "unimog name" : "wumpus name", agent.id, agent.activities[state.activity]],
                     ["faint", goal, `${stats.cells} ${agent.cells_word}`],
-                    ["faint", `${stats.plans} plans, ${stats.failures} failed`, `${stats.expansions} nodes`],
+                    ["faint", `${stats.plans} routes planned, ${stats.failures} failed`, `${stats.expansions} search steps`],
                 ];
             });
         }
@@ -163,7 +212,7 @@ class Panel {
                 [one.agent.is_truck ? "unimog name" : "wumpus name", id, ...this.heads],
                 tell("does", ({ agent, state }) => agent.activities[state.activity]),
                 tell(one.agent.cells_word, ({ stats }) => `${stats.cells}`),
-                tell("plans, failed", ({ stats }) => `${stats.plans}, ${stats.failures}`),
+                tell("routes planned, failed", ({ stats }) => `${stats.plans}, ${stats.failures}`),
             ];
         });
     }
@@ -190,7 +239,7 @@ class Panel {
                 rows.push(line("walking", ({ does }) => does[DRIVING]));
                 rows.push(line("standing or planning", ({ does }) => does[STANDING] + does[WAITING] + does[PLANNING]));
             }
-            rows.push(line("plans, failed", ({ plans, failures }) => `${plans}, ${failures}`, "faint"));
+            rows.push(line("routes planned, failed", ({ plans, failures }) => `${plans}, ${failures}`, "faint"));
             return rows;
         });
     }
@@ -217,7 +266,8 @@ class Panel {
         return arrives !== undefined && run.isHopeless(bush, arrives);
     }
 
-    showStory(times, selected) {
+    showStory(times, view) {
+        const { selected } = view;
         const { story } = this.parts;
         story.parentElement.hidden = selected === null;
         if (selected === null) return;
@@ -225,19 +275,20 @@ class Panel {
         const suffix = this.isComparison ? ` in ${"AB"[selected.run]}` : "";
         const heading = document.getElementById("story-heading");
         if (selected.bush !== null) {
-            heading.textContent = `bush ${run.cellName(run.bushCells[selected.bush])}${suffix}`;
-            setRows(story, this.bushStory(run, selected.bush, ns));
+            const { col, row } = run.cell(run.bushCells[selected.bush]);
+            heading.textContent = `bush in column ${col}, row ${row}${suffix}`;
+            setRows(story, this.bushStory(run, selected.bush, ns, view.showsAhead ? run.end_ns : view.seenNs));
         } else {
             heading.textContent = `${run.agents[selected.agent].id}${suffix}`;
             setRows(story, this.agentStory(run, run.agents[selected.agent], ns));
         }
     }
 
-    // The events of a bush with their times; future ones are faint.
-    bushStory(run, bush, ns) {
+    // The events of a bush with their times, as far as the viewer has seen the run; future ones are faint.
+    bushStory(run, bush, ns, untilNs) {
         const rows = [["", "intact", formatClock(0)]];
         run.changes.times.forEach((time, index) => {
-            if (run.changes.bushes[index] !== bush) return;
+            if (run.changes.bushes[index] !== bush || time > untilNs) return;
             const className = time <= ns ? "" : "ahead";
             rows.push([className, run.texts[run.changes.words[index]], formatClock(time)]);
             const burned = run.changes.burned[index];
@@ -250,10 +301,10 @@ class Panel {
         const [state, stats] = [agent.at(ns), agent.statsAt(ns)];
         const rows = [
             ["", agent.activities[state.activity], `${state.speed.toFixed(1)} m/s`],
-            ["", "goal", state.goal < 0 ? "none" : run.cellName(state.goal)],
+            ["", "goal", state.goal < 0 ? "none" : run.wayTo(state.goal, agent.centre(state))],
             ["", "distance", `${stats.distanceM.toFixed(0)} m`],
-            ["", "cells", `${stats.cells} ${agent.cells_word}`],
-            ["", "plans", `${stats.plans} (${stats.failures} failed)`],
+            ["", "bushes", `${stats.cells} ${agent.cells_word}`],
+            ["", "routes planned", `${stats.plans} (${stats.failures} failed)`],
         ];
         if (stats.failure >= 0) rows.push(["faint", "last failure", run.texts[stats.failure]]);
         for (const activity of [DRIVING, PLANNING, SUPPRESSING, REFILLING, WAITING, STANDING]) {

@@ -1,5 +1,18 @@
 // The player: keys, mouse, touch, and frames.
 
+// The names of layers, where the program's are those of its options.
+const LAYER_NAMES = {
+    "grid-lines": "grid",
+    "prm-query": "roadmap search",
+    "local-search": "local search",
+    "wumpus-search": "Wumpus search",
+    ages: "seconds burning",
+    suppression: "extinguishing",
+    wet: "wet ground",
+    arrival: "fire front",
+    "fire-type": "fire type",
+};
+
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60, 100, 200, 500, 1000];
 const FIRST_SPEED = 60;
 // A notch of the wheel, and a press of a button, magnify by these factors.
@@ -12,23 +25,38 @@ const LONGEST_FRAME_MS = 250;
 
 // The compressed bytes in an element of the page.
 function unpacked(id) {
-    const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+    const letters = atob(document.getElementById(id).textContent);
+    const packed = new Uint8Array(letters.length);
+    // Millions of calls of a function would take longer.
+    for (let index = 0; index < packed.length; index++) packed[index] = letters.charCodeAt(index);
     return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate")));
 }
 
-// Plays runs. A host can handle clicks on a field, and is notified when everything known so far has been played.
+// The layers that show something in these runs, with their keys: T begins the tour.
+function layersOf(data, runs) {
+    const hasAgents = runs.some(({ agents }) => agents.length > 0);
+    const hasBushes = runs.some(({ bushCells }) => bushCells.length > 0);
+    const isThere = { paths: hasAgents, suppression: hasAgents, spread: hasBushes, ages: hasBushes };
+    return data.layers.filter(({ name }) => isThere[name] ?? true).map((layer) => ({ ...layer, key: layer.key === "T" ? "B" : layer.key }));
+}
+
+// Plays runs. A host can handle clicks on a field, tells whether the runs are known to their ends, and is notified when
+// everything known so far has been played.
+const NO_HOST = { picks: () => false, isFinal: () => true, reachesEnd: () => {} };
+
 class Player {
-    constructor(data, host = { picks: () => false, reachesEnd: () => {} }) {
+    constructor(data, host = NO_HOST) {
         this.data = data;
         this.host = host;
         this.runs = data.runs.map((run) => new Run(run));
+        data.layers = layersOf(data, this.runs);
         this.endNs = Math.max(...this.runs.map((run) => run.end_ns));
         this.ns = Math.min(data.time_ns, this.endNs);
         this.speed = FIRST_SPEED;
         this.isPlaying = false;
         const [x, y, zoom] = data.camera;
         const layers = new Set(data.layers.filter(({ is_on }) => is_on).map(({ name }) => name));
-        this.view = { camera: { x, y, zoom }, zooms: data.zooms, follows: data.follows, layers, selected: data.selected, marked: null, pixelRatio: 1 };
+        this.view = { camera: { x, y, zoom }, zooms: data.zooms, follows: data.follows, layers, selected: data.selected, marked: null, pixelRatio: 1, isOnTour: false, showsAhead: false, seenNs: 0 };
         this.isStale = true;
         this.pointers = new Map();
         this.makePanes();
@@ -52,9 +80,9 @@ class Player {
     // Continues with more of the same runs.
     take(data) {
         this.runs.forEach((run, index) => Object.assign(run, new Run(data.runs[index])));
+        data.layers = layersOf(data, this.runs);
         this.endNs = Math.max(...this.runs.map((run) => run.end_ns));
         this.chart.takeRuns();
-        this.panel.endNs = this.endNs;
         this.panes.forEach((pane) => (pane.groundKey = ""));
         if (data.layers.length !== this.data.layers.length) {
             this.data.layers = data.layers;
@@ -78,7 +106,9 @@ class Player {
             const passed = Math.min(now - (this.lastFrame ?? now), LONGEST_FRAME_MS);
             this.ns = Math.min(this.ns + passed * 1e6 * this.speed, this.endNs);
             this.isStale = true;
-            if (this.ns === this.endNs) {
+            if (this.tour?.passes(this.ns)) {
+                this.tour.next();
+            } else if (this.ns === this.endNs) {
                 this.setPlaying(false);
                 this.host.reachesEnd();
             }
@@ -94,6 +124,8 @@ class Player {
     draw() {
         const { ns, view, panes } = this;
         view.pixelRatio = Math.max(1, devicePixelRatio);
+        if (!view.isOnTour) view.seenNs = Math.max(view.seenNs, ns);
+        this.panel.isFinal = this.host.isFinal();
         panes.forEach((pane) => {
             const size = [pane.canvas.clientWidth, pane.canvas.clientHeight].map((side) => Math.max(1, Math.round(side * view.pixelRatio)));
             if (pane.canvas.width !== size[0] || pane.canvas.height !== size[1]) {
@@ -102,7 +134,8 @@ class Player {
             pane.run.seek(Math.min(ns, pane.run.end_ns));
         });
         panes.forEach((pane, index) => pane.draw(ns, view, panes.length === 2 ? panes[1 - index].run : null));
-        this.chart.draw(ns, view.pixelRatio);
+        this.chart.draw(ns, view.pixelRatio, view.showsAhead ? this.endNs : view.seenNs);
+        if (!this.tour) this.showCaption(this.panel.isFinal && !this.host.hasCard && ns === this.endNs ? this.verdict : "");
         this.panel.show(ns, view);
         document.getElementById("clock").textContent = formatClock(ns);
         const isNear = view.camera.zoom > 1 || view.follows !== null;
@@ -126,9 +159,45 @@ class Player {
         document.getElementById("play").setAttribute("aria-label", isPlaying ? "pause" : "play");
     }
 
+    // The results of the runs.
+    get verdict() {
+        return this.runs.map((run, index) => `${this.runs.length > 1 ? `${"AB"[index]}: ` : ""}${run.verdict}.`).join(" ");
+    }
+
+    // A sentence over the field, with a button of a tour; nothing hides it.
+    showCaption(text, next = "") {
+        const [caption, button] = ["caption", "caption-next"].map((id) => document.getElementById(id));
+        caption.hidden = text === "";
+        button.hidden = document.getElementById("caption-stop").hidden = next === "";
+        if (button.textContent !== next) button.textContent = next;
+        const words = document.getElementById("caption-text");
+        if (words.textContent !== text) words.textContent = text;
+    }
+
+    // The next stop of the tour, which begins if there is none; not while the run is still computed.
+    tourOn() {
+        if (this.tour) this.tour.next();
+        else if (this.host.isFinal()) this.tour = new Tour(this);
+    }
+
+    endTour() {
+        const { tour } = this;
+        this.tour = null;
+        tour.restore();
+        this.redraw();
+    }
+
+    // Shows or hides what comes in the time line.
+    toggleAhead() {
+        this.view.showsAhead = !this.view.showsAhead;
+        document.getElementById("ahead").setAttribute("aria-pressed", `${this.view.showsAhead}`);
+        this.redraw();
+    }
+
     // Removes the cover over the field before the run is played.
     uncover() {
         const cover = document.getElementById("cover");
+        if (cover.classList.contains("choice")) return;
         if (cover.contains(document.activeElement)) document.getElementById("play").focus();
         cover.hidden = true;
     }
@@ -331,7 +400,7 @@ class Player {
             "to-start": () => this.seek(0),
             previous: () => this.previousEvent(),
             play: () => this.togglePlaying(),
-            cover: () => this.togglePlaying(),
+            cover: (event) => this.leaveCover(event),
             next: () => this.nextEvent(),
             "to-end": () => this.seek(this.endNs),
             "zoom-in": () => this.zoom(this.panes[0], PRESS, middle(this.panes[0])),
@@ -339,6 +408,10 @@ class Player {
             whole: () => this.wholeField(),
             "show-keys": () => document.getElementById("keys").showModal(),
             forget: () => this.select(null),
+            tour: () => this.tourOn(),
+            ahead: () => this.toggleAhead(),
+            "caption-next": () => this.tourOn(),
+            "caption-stop": () => this.endTour(),
         };
         for (const [id, act] of Object.entries(does)) document.getElementById(id).addEventListener("click", act);
         const [speed, follow] = ["speed", "follow"].map((id) => document.getElementById(id));
@@ -351,10 +424,17 @@ class Player {
         this.makeLayers();
     }
 
+    // The cover of a recorded run plays it, or begins the tour; that of a game has buttons of its own.
+    leaveCover(event) {
+        if (event.currentTarget.classList.contains("choice")) return;
+        if (event.target.id === "begin-tour") this.tourOn();
+        else this.togglePlaying();
+    }
+
     makeLayers() {
         this.layerButtons = this.data.layers.map(({ name, key }) => {
             const button = element("button");
-            button.append(element("kbd", key), name);
+            button.append(element("kbd", key), LAYER_NAMES[name] ?? name);
             Object.assign(button, { type: "button" });
             button.addEventListener("click", () => this.toggleLayer(name));
             return { name, button };
@@ -384,8 +464,9 @@ class Player {
 
     makeKeys() {
         const table = document.querySelector("#keys table");
-        const layers = this.data.layers.map(({ name, key }) => [key, `layer ${name}`]);
-        setRows(table, [...this.data.keys, ...layers].map((row) => ["", ...row]));
+        const layers = this.data.layers.map(({ name, key }) => [key, `layer: ${LAYER_NAMES[name] ?? name}`]);
+        const own = [["T", "guided tour, its next stop"], ["X", "show or hide what comes in the time line"]];
+        setRows(table, [...own, ...this.data.keys, ...layers].map((row) => ["", ...row]));
     }
 
     press(event) {
@@ -408,7 +489,9 @@ class Player {
             end: () => this.seek(this.endNs),
             z: () => this.wholeField(),
             f: () => this.followNext(),
-            escape: () => this.select(null),
+            t: () => this.tourOn(),
+            x: () => this.toggleAhead(),
+            escape: () => (this.tour ? this.endTour() : this.select(null)),
             s: () => this.saveStill(),
             "?": () => document.getElementById("keys").showModal(),
             h: () => document.getElementById("keys").showModal(),

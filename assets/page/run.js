@@ -26,6 +26,8 @@ const SUPPRESSING = 3;
 const WAITING = 4;
 const REFILLING = 5;
 
+const DIRECTIONS = ["north", "north-east", "east", "south-east", "south", "south-west", "west", "north-west"];
+
 // Sums differences, each relative to the number `stride` places before.
 function sums(differences, stride = 1) {
     const values = Float64Array.from(differences);
@@ -239,6 +241,33 @@ class Run {
         this.changed = 0;
     }
 
+    // Whether ground burns and no arsonist lights bushes: such a run is told in hectares.
+    get isOfGround() {
+        return this.ground !== null && (this.bushCells.length === 0 || this.agents.every(({ is_truck }) => is_truck));
+    }
+
+    // Whether both sides take part.
+    get isContest() {
+        return [true, false].every((side) => this.agents.some(({ is_truck }) => is_truck === side));
+    }
+
+    // The result in one sentence.
+    get verdict() {
+        const { bushes, wumpus, truck } = this.countsAt(this.end_ns);
+        const saved = `${bushes[INTACT] + bushes[EXTINGUISHED]} of ${this.bushCells.length} bushes saved`;
+        if (this.isOfGround) {
+            const { burned, burning } = this.ground.hectaresAt(this.end_ns);
+            return `${formatHectares(burned)} burned${burning > 0 ? `, ${formatHectares(burning)} still on fire` : "; the fire is out"}`;
+        }
+        if (!this.isContest) return saved;
+        if (wumpus === truck) return `A tie: ${saved}`;
+        const [word, winner] = truck > wumpus ? ["truck", true] : ["Wumpus", false];
+        const count = this.agents.filter(({ is_truck }) => is_truck === winner).length;
+        const by = formatPoints(Math.abs(wumpus - truck));
+        const plural = winner ? "s" : "es";
+        return `The ${word}${count > 1 ? plural : ""} won by ${by} point${by === "1" ? "" : "s"}: ${saved}`;
+    }
+
     // Moves the states of bushes to a time.
     seek(ns) {
         const until = lastAt(this.changes.times, ns) + 1;
@@ -271,6 +300,14 @@ class Run {
     cellName(index) {
         const { col, row } = this.cell(index);
         return `(${col}, ${row})`;
+    }
+
+    // How far and in which direction a cell is from a point.
+    wayTo(index, { x, y }) {
+        const centre = this.cellCentre(index);
+        const [east, north] = [centre.x - x, centre.y - y];
+        const sector = (Math.round((Math.atan2(east, north) * 8) / TAU) + 8) % 8;
+        return `${Math.hypot(east, north).toFixed(0)} m ${DIRECTIONS[sector]}`;
     }
 
     // The cell at a point of the world; null outside.

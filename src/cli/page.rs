@@ -10,13 +10,20 @@ use crate::cli::error::CliError;
 use crate::cli::lessons;
 use crate::cli::output_files::{Files, Format, write_all};
 use wildfire_base::input_file;
+use wildfire_base::time::SimTime;
 use wildfire_base::whole_file::write_whole;
-use wildfire_picture::film::{PackedModule, play_page};
-use wildfire_scenario::{BUILT_IN, ScenarioText};
+use wildfire_picture::film::{FrameRequest, PackedModule, RunView, ViewOptions, play_page};
+use wildfire_scenario::{BUILT_IN, ScenarioText, load};
 use wildfire_sim::game::{Game, GameScenario, MAX_GAME_BYTES, Side};
 
 /// The page that comes with the program, for its module. What this computes is compared with what the program computes.
 const SHIPPED_PAGE: &str = include_str!("../../assets/play.html");
+
+/// The run that a page plays until its reader has chosen a game: from when on, when fires burn, and its changed values.
+const OPENING: &str = "contest";
+const OPENING_SEED: u64 = 7;
+const OPENING_FROM_S: f64 = 120.0;
+const OPENING_CHANGES: [&str; 1] = ["duration_s=400"];
 
 /// The largest module that is taken, in bytes.
 const MAX_MODULE_BYTES: u64 = 64_000_000;
@@ -91,7 +98,15 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError>
         None => PackedModule::from_page(SHIPPED_PAGE).expect("tests look for the module"),
     };
     let setup = serde_json::to_string(&game).expect("names and numbers are JSON");
-    let page = play_page(&module, &setup);
+    let opening = load(OPENING, &OPENING_CHANGES.map(str::to_owned))?;
+    let opening =
+        wildfire_sim::run(&opening, OPENING_SEED).map_err(|error| CliError::run_failed(error.to_string()))?.timeline;
+    let request = FrameRequest {
+        runs: &[&RunView::new(opening, None)],
+        time: SimTime::from_seconds(OPENING_FROM_S),
+        options: &ViewOptions::default(),
+    };
+    let page = play_page(&module, &request, &setup);
     write_all(&[(Some(out), &|path| write_whole(path, page.as_bytes()))], quiet)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -24,8 +24,8 @@ fn a_page_carries_the_module_and_what_it_begins_with() {
         .expect_code(0);
     let page = story.read("p.html");
     assert!(page.contains(r#""scenario":{"name":"fleet"},"seed":9,"plays":["unimog"]"#));
-    assert!(page.contains(r#"id="module""#));
-    for place in ["@POLICY@", "@DESK@", "@QUESTION@", "@DATA@", "@TITLE@", "@SCRIPT@"] {
+    assert!(page.contains(r#"id="module""#) && page.contains(r#"id="run-data""#));
+    for place in ["@POLICY@", "@DESK@", "@QUESTION@", "@COVER@", "@DATA@", "@TITLE@", "@SCRIPT@", "@MODULE@"] {
         assert!(!page.contains(place), "{place} is not filled in");
     }
     story.tell(&["page", "--game", "game.json", "--module", "m.wasm", "-o", "g.html"]).expect_code(0);

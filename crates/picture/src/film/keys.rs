@@ -53,7 +53,7 @@ impl Layer {
             Self::CostMap => 'C',
             Self::Wavefront => 'W',
             Self::Ground => 'G',
-            Self::Wet => 'T',
+            Self::Wet => 'B',
             Self::Embers => 'E',
             Self::Wind => 'V',
             Self::Arrival => 'A',

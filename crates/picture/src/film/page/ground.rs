@@ -36,6 +36,8 @@ pub struct GroundData {
     /// By the layer that shows them.
     shades: BTreeMap<&'static str, ShadesData>,
     wind: WindTable,
+    /// When crews set out, in ascending order.
+    crews_ms: Vec<u64>,
     colours: FireColours,
 }
 
@@ -157,6 +159,9 @@ impl GroundData {
             wind.east.push(interval.wind_mps.x);
             wind.north.push(interval.wind_mps.y);
         }
+        let crews = setting.line.iter().flat_map(|line| &line.crews);
+        let mut crews_ms: Vec<u64> = crews.map(|crew| crew.at_ns / NANOS_PER_MILLI).collect();
+        crews_ms.sort_unstable();
         Some(Self {
             covers: CellColours::new(view.covers().iter().copied().map(Some)),
             cells: index.counts_at(SimTime::ZERO).cells,
@@ -166,6 +171,7 @@ impl GroundData {
             arrival: arrival_lines(run),
             shades: shades_data(run),
             wind,
+            crews_ms,
             colours: FireColours {
                 young: YOUNG,
                 flaming: FLAMING,

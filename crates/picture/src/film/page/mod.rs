@@ -35,12 +35,13 @@ use wildfire_timeline::Setting;
 const TEMPLATE: &str = include_str!("../../../assets/page/page.html");
 const STYLE: &str = include_str!("../../../assets/page/page.css");
 /// The player's scripts; each uses those before it.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("../../../assets/page/run.js"),
     include_str!("../../../assets/page/field.js"),
     include_str!("../../../assets/page/ground.js"),
     include_str!("../../../assets/page/chart.js"),
     include_str!("../../../assets/page/panel.js"),
+    include_str!("../../../assets/page/tour.js"),
     include_str!("../../../assets/page/player.js"),
 ];
 /// Start scripts: of a page that carries its runs, and of one that computes them.
@@ -49,6 +50,9 @@ const PLAY: &str = include_str!("../../../assets/page/play.js");
 const WORKER: &str = include_str!("../../../assets/page/worker.js");
 const DESK: &str = include_str!("../../../assets/page/desk.html");
 const QUESTION: &str = include_str!("../../../assets/page/question.html");
+/// What lies over the field at first: a button that plays, or the choice of a game.
+const COVER: &str = include_str!("../../../assets/page/cover.html");
+const CHOICE: &str = include_str!("../../../assets/page/choice.html");
 
 /// How hard the data are packed, 0 to 10: more takes longer and gains next to nothing.
 const PACKED: u8 = 8;
@@ -114,12 +118,12 @@ pub fn page(request: &FrameRequest) -> String {
     let mut sentences: Vec<String> = request.runs.iter().map(|run| run_sentence(&run.timeline().setting)).collect();
     sentences.dedup();
     let sentence = sentences.join(" ");
-    let data = BASE64.encode(&compress_to_vec_zlib(page_data(request).as_bytes(), PACKED));
     filled_in(&Filling {
         title: &title,
         sentence: &sentence,
+        cover: COVER,
         script: RECORDED,
-        data: &element("run-data", &data),
+        data: &packed_runs(request),
         ..Filling::default()
     })
 }
@@ -142,20 +146,28 @@ impl<'a> PackedModule<'a> {
     }
 }
 
-/// Returns a page that computes runs by a WebAssembly module and lets its reader play; it begins with a game, in JSON.
-pub fn play_page(module: &PackedModule<'_>, game: &str) -> String {
+/// Returns a page that computes runs by a WebAssembly module and lets its reader play. It opens with a recorded run behind the
+/// choice of a game, or with a game, in JSON, if that is played.
+pub fn play_page(module: &PackedModule<'_>, opening: &FrameRequest, game: &str) -> String {
     // No text of a game ends the element that it stands in.
-    let data =
-        [element(MODULE, &module.0), element("worker", WORKER), element("setup-data", &game.replace('<', "\\u003c"))];
+    let game = game.replace('<', "\\u003c");
+    let data = [packed_runs(opening), element("worker", WORKER), element("setup-data", &game)];
     filled_in(&Filling {
         title: "wildfire",
-        sentence: "Watch an arsonist and fire trucks, or play one side. The simulation runs in this page.",
+        sentence: "An arsonist lights bushes, fire trucks put them out: the side with more points at the end wins.",
         policy: "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:",
         desk: DESK,
         question: QUESTION,
+        cover: CHOICE,
         script: PLAY,
         data: &data.concat(),
+        // The last in the page: what comes before is shown while this is still read.
+        module: &element(MODULE, &module.0),
     })
+}
+
+fn packed_runs(request: &FrameRequest) -> String {
+    element("run-data", &BASE64.encode(&compress_to_vec_zlib(page_data(request).as_bytes(), PACKED)))
 }
 
 /// The parts in which pages differ.
@@ -166,15 +178,17 @@ struct Filling<'a> {
     policy: &'a str,
     desk: &'a str,
     question: &'a str,
+    cover: &'a str,
     script: &'a str,
     /// Elements that carry data.
     data: &'a str,
+    module: &'a str,
 }
 
 impl Default for Filling<'_> {
     fn default() -> Self {
         let policy = "script-src 'unsafe-inline'";
-        Self { title: "", sentence: "", policy, desk: "", question: "", script: "", data: "" }
+        Self { title: "", sentence: "", policy, desk: "", question: "", cover: "", script: "", data: "", module: "" }
     }
 }
 
@@ -184,11 +198,19 @@ fn filled_in(filling: &Filling<'_>) -> String {
         .replace("@STYLE@", STYLE)
         .replace("@DESK@\n", filling.desk)
         .replace("@QUESTION@\n", filling.question)
-        .replace("@SCRIPT@", &(SCRIPTS.concat() + filling.script))
+        .replace("@COVER@\n", filling.cover)
+        .replace("@SCRIPT@", &without_comments(&(SCRIPTS.concat() + filling.script)))
         .replace("@TITLE@", &escaped_html(filling.title))
         .replace("@SENTENCE@", &escaped_html(filling.sentence))
         // The last, so that nothing in it is replaced.
         .replace("@DATA@\n", filling.data)
+        .replace("@MODULE@\n", filling.module)
+}
+
+/// Returns a script without indentation and lines of comments, a quarter of it. No string of these scripts has several lines.
+fn without_comments(script: &str) -> String {
+    let lines = script.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//"));
+    lines.flat_map(|line| [line, "\n"]).collect()
 }
 
 fn element(id: &str, data: &str) -> String {
@@ -352,6 +374,8 @@ mod tests {
             "@STYLE@",
             "@SCRIPT@",
             "@DATA@",
+            "@COVER@",
+            "@MODULE@",
         ] {
             assert!(!page.contains(word), "{word}");
         }
