@@ -3,12 +3,13 @@
 
 use std::fmt::Write;
 
+use rayon::prelude::*;
 use wildfire::batch::stopping::{FIRST_LOOK, STEP};
-use wildfire::rng::Xoshiro256PlusPlus as Random;
+use wildfire::rng::{self, Xoshiro256PlusPlus as Random};
 use wildfire::stats::{Interval, Series, first_look, sequence_interval};
 
 use crate::outcomes::{Contest, Contests, below};
-use crate::{count, percent};
+use crate::percent;
 
 /// The seeds of a batch that never decides.
 const MOST: usize = 1000;
@@ -37,26 +38,21 @@ pub fn rates(contests: &Contests, replications: u64) -> String {
         ("two equal planners: saved", strangers(&contests.contest, |run| run.saved), true),
         ("two equal planners: original, response", strangers(&contests.original, |run| run.response_s), true),
     ] {
-        let truth = differences.iter().sum::<f64>() / differences.len() as f64;
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let truth = if is_equal { 0.0 } else { mean };
         let draw = |random: &mut Random| {
             let sign = if is_equal && below(2, random) == 0 { -1.0 } else { 1.0 };
             sign * differences[below(differences.len(), random)]
         };
-        let truth = if is_equal { 0.0 } else { truth };
         let stop = |random: &mut Random| stop(|| draw(random));
-        let decided = count(replications, "coverage/stopping", |random| stop(random).is_decided);
-        let holds = count(replications, "coverage/stopping", |random| {
-            stop(random).interval.is_none_or(|it| it.low <= truth && truth <= it.high)
-        });
-        // The number of seeds that this share of batches stops within.
-        let within = |share: f64| {
-            (FIRST_LOOK as usize..=MOST).step_by(STEP as usize).find(|&seeds| {
-                let earlier = count(replications, "coverage/stopping", |random| stop(random).seeds <= seeds);
-                earlier as f64 >= share * replications as f64
-            })
-        };
-        let [median, most] = [0.5, 0.9].map(|share| within(share).map_or("-".to_owned(), |seeds| seeds.to_string()));
+        let stops = (0..replications).into_par_iter().map(|trial| stop(&mut rng::stream(trial, "coverage/stopping")));
+        let mut stops: Vec<Stop> = stops.collect();
+        let counted = |counts: fn(&Stop, f64) -> bool| stops.iter().filter(|stop| counts(stop, truth)).count() as u64;
+        let decided = counted(|stop, _| stop.is_decided);
+        let holds = counted(|stop, truth| stop.interval.is_none_or(|it| it.low <= truth && truth <= it.high));
         let [decided, holds] = [decided, holds].map(|hits| percent(hits, replications));
+        stops.sort_by_key(|stop| stop.seeds);
+        let [median, most] = [0.5, 0.9].map(|share| stops[(share * stops.len() as f64) as usize].seeds);
         writeln!(text, "{name:44}{median:>10}{most:>10}{decided:>14}{holds:>14}").expect("a string takes any text");
     }
     text
