@@ -72,7 +72,7 @@ fn stop(mut draw: impl FnMut() -> f64) -> Stop {
         }
         let interval = sequence_interval(&series, LEVEL);
         let is_late = first_look(&differences).is_some_and(|first| seeds >= first);
-        let is_decided = is_late && interval.is_some_and(|it| it.low > 0.0 || it.high < 0.0);
+        let is_decided = is_late && interval.is_some_and(Interval::excludes_zero);
         if is_decided || seeds == MOST {
             return Stop { seeds, interval, is_decided };
         }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use wildfire::batch::comparison::{ComparisonError, Questions, Selection, Verdict, compare};
 use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
 use wildfire::batch::plan::{BatchPlan, Record, Slice, StoppingGoal, StoppingRule, Variant};
-use wildfire::batch::stopping::Look;
+use wildfire::batch::stopping::{Look, PlayedBatch};
 use wildfire::batch::table::FinishedBatch;
 use wildfire::scenario::Scenario;
 
@@ -41,7 +41,8 @@ fn folder(path: &Path) -> OutputFolder {
 
 fn finish(batch: Batch, is_better: bool, jobs: usize) -> Look {
     let stop = Arc::default();
-    let (batch, look) = batch.run_until(simulation(is_better), jobs, &stop, |_| {}, |_| {}).expect("the disk is fine");
+    let PlayedBatch { batch, look } =
+        batch.run_until(simulation(is_better), jobs, &stop, |_| {}, |_| {}).expect("the disk is fine");
     batch.finish(&stop).expect("the disk is fine");
     look.expect("there is a rule")
 }
@@ -61,11 +62,11 @@ fn rows_are_those_of_a_batch_of_these_seeds_for_all_workers_and_interruptions() 
         let batch = Batch::begin(stopping(), folder(&path(&jobs.to_string()))).expect("the disk is fine");
         let look = finish(batch, true, jobs);
         // Of the first 20 seeds three fail, so that there are 20 pairs after 30.
-        assert_eq!((look.seeds, look.is_over(), look.answers.len()), (30, true, 1));
+        assert_eq!((look.seeds, look.is_over(), look.conclusions.len()), (30, true, 1));
     }
     let fixed = BatchPlan { until: None, ..two_variants("1..30", DECIDED, Record::None) };
     let batch = Batch::begin(fixed, folder(&path("fixed"))).expect("the disk is fine");
-    let (batch, look) =
+    let PlayedBatch { batch, look } =
         batch.run_until(simulation(true), 1, &Arc::default(), |_| {}, |_| {}).expect("the disk is fine");
     assert_eq!(look, None);
     batch.finish(&AtomicBool::new(false)).expect("the disk is fine");
@@ -79,7 +80,7 @@ fn rows_are_those_of_a_batch_of_these_seeds_for_all_workers_and_interruptions() 
             run(scenario, seed)
         });
         let batch = Batch::begin(stopping(), folder(&path(&format!("at-{runs}")))).expect("the disk is fine");
-        let result = batch.run_until(stopped, 2, &stop, |_| {}, |_| {});
+        let result = batch.run_until(stopped, 2, &stop, |_| {}, |_| {}).map(drop);
         assert!(matches!(result, Err(BatchError::Stopped)), "after {runs} runs");
         let batch = Batch::resume(folder(&path(&format!("at-{runs}"))), Slice::WHOLE).expect("it can be resumed");
         assert_eq!(finish(batch, true, 2).seeds, 30);
@@ -136,7 +137,7 @@ fn mean_of_an_only_variant_is_known_to_what_was_asked() {
         let two = two_variants("1..1000", StoppingGoal::Within { half_width }, Record::None);
         let one = BatchPlan { variants: two.variants[..1].to_vec(), ..two };
         let look = finish(Batch::begin(one, folder(&path)).expect("the disk is fine"), false, 2);
-        let interval = look.answers[0].interval.expect("the values differ");
+        let interval = look.conclusions[0].interval.expect("the values differ");
         assert!(look.is_over() && interval.high - interval.low <= 2.0 * half_width, "{look:?}");
         assert!(look.seeds > before, "narrower intervals need more seeds: {look:?}");
         before = look.seeds;
@@ -154,7 +155,7 @@ fn comparison_has_the_interval_by_which_the_batch_stopped() {
     let comparison = compare(&paths, &selection, &["saved".to_owned()]).expect("it is finished");
     let judged = &comparison.against_a[0].judged[0];
     assert_eq!((judged.verdict, judged.contrast.p_value), (Verdict::Difference, None));
-    let [found, expected] = [judged.contrast.interval, look.answers[0].interval].map(|it| it.expect("they differ"));
+    let [found, expected] = [judged.contrast.interval, look.conclusions[0].interval].map(|it| it.expect("they differ"));
     assert!((found.low - expected.low).abs() < 1e-9 && (found.high - expected.high).abs() < 1e-9);
     let questions = Questions { power: Some("1".parse().expect("an amount")), ..Questions::default() };
     assert!(matches!(comparison.asking(questions), Err(ComparisonError::StoppedByRule { .. })));

@@ -24,7 +24,7 @@ pub const STEP: u64 = 10;
 /// The most variants that a rule compares, each pair by its own share of the error.
 const MAX_VARIANTS: usize = 100;
 
-/// The most answers that are listed.
+/// The most conclusions that are listed.
 const MAX_LISTED: usize = 30;
 
 /// The seeds of which a batch with a rule plays the first, unless others are given.
@@ -120,14 +120,22 @@ impl StopRequest {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     pub seeds: u64,
-    pub answers: Vec<Answer>,
+    pub conclusions: Vec<Conclusion>,
+}
+
+/// A batch all of whose runs are over.
+pub struct PlayedBatch {
+    /// The batch of the seeds that were played.
+    pub batch: Batch,
+    /// What is known after the last of them, if a rule asked for something.
+    pub look: Option<Look>,
 }
 
 /// What is known of one question.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Answer {
+pub struct Conclusion {
     /// Two variants by their places in the plan, the difference of the second from the first; or one, its mean.
-    pub of: AnswerOf,
+    pub of: ConclusionOf,
     pub mean: f64,
     pub interval: Option<Interval>,
     /// True if the rule asks for no more.
@@ -135,7 +143,7 @@ pub struct Answer {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AnswerOf {
+pub enum ConclusionOf {
     Variant(usize),
     Pair(VariantPair),
 }
@@ -143,41 +151,42 @@ pub enum AnswerOf {
 impl Look {
     /// Returns whether all questions are answered.
     pub fn is_over(&self) -> bool {
-        self.answers.iter().all(|answer| answer.is_known)
+        self.conclusions.iter().all(|conclusion| conclusion.is_known)
     }
 
-    /// Returns the answers as sentences, and what their intervals mean.
+    /// Returns the conclusions as sentences, and what their intervals mean.
     pub fn sentences(&self, plan: &BatchPlan) -> Vec<String> {
         let Some(StoppingRule { metric, .. }) = &plan.until else { return Vec::new() };
-        let more = self.answers.len().saturating_sub(MAX_LISTED);
+        let more = self.conclusions.len().saturating_sub(MAX_LISTED);
         let more = (more > 0).then(|| format!("and {more} more; `wildfire compare` lists them"));
-        let answers = self.answers.iter().take(MAX_LISTED).map(|answer| {
-            let what = match answer.of {
-                AnswerOf::Variant(variant) => format!("{metric}, {}", plan.title(&plan.variants[variant])),
-                AnswerOf::Pair(VariantPair { first, second }) => {
+        let conclusions = self.conclusions.iter().take(MAX_LISTED).map(|conclusion| {
+            let what = match conclusion.of {
+                ConclusionOf::Variant(variant) => format!("{metric}, {}", plan.title(&plan.variants[variant])),
+                ConclusionOf::Pair(VariantPair { first, second }) => {
                     let [first, second] = [first, second].map(|it| plan.title(&plan.variants[it]));
                     format!("{metric}, {second} minus {first}")
                 }
             };
-            format!("{what}: {}", answer.amount())
+            format!("{what}: {}", conclusion.amount())
         });
         let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables are for a number \
                     that was fixed before.";
-        let open = self.answers.iter().filter(|answer| !answer.is_known).count();
-        let not_known = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.answers.len()));
-        answers.chain(more).chain(not_known).chain([note.to_owned()]).collect()
+        let open = self.conclusions.iter().filter(|conclusion| !conclusion.is_known).count();
+        let not_known = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.conclusions.len()));
+        conclusions.chain(more).chain(not_known).chain([note.to_owned()]).collect()
     }
 
     /// Returns the widest interval in a few words, for a line of progress.
     pub fn progress(&self, plan: &BatchPlan) -> String {
-        let open = self.answers.iter().filter(|answer| !answer.is_known);
+        let open = self.conclusions.iter().filter(|conclusion| !conclusion.is_known);
         let metric = plan.until.as_ref().map_or("", |rule| &rule.metric);
         let widest = open.clone().max_by(|one, other| one.width().total_cmp(&other.width()));
-        widest.map_or_else(String::new, |answer| format!("({} open: {metric} {})", open.count(), answer.amount()))
+        widest
+            .map_or_else(String::new, |conclusion| format!("({} open: {metric} {})", open.count(), conclusion.amount()))
     }
 }
 
-impl Answer {
+impl Conclusion {
     fn width(&self) -> f64 {
         self.interval.map_or(f64::INFINITY, |it| it.high - it.low)
     }
@@ -207,18 +216,18 @@ impl Monitor {
     }
 
     fn look(&self) -> Look {
-        let of_pairs = self.pairs.iter().copied().map(AnswerOf::Pair);
-        let questions: Vec<AnswerOf> =
-            if self.pairs.is_empty() { vec![AnswerOf::Variant(0)] } else { of_pairs.collect() };
+        let of_pairs = self.pairs.iter().copied().map(ConclusionOf::Pair);
+        let questions: Vec<ConclusionOf> =
+            if self.pairs.is_empty() { vec![ConclusionOf::Variant(0)] } else { of_pairs.collect() };
         let alpha = StoppingRule::error_of_each(questions.len());
-        let answers = questions.into_iter().map(|of| self.answer(of, alpha)).collect();
-        Look { seeds: self.values[0].len() as u64, answers }
+        let conclusions = questions.into_iter().map(|of| self.conclusion(of, alpha)).collect();
+        Look { seeds: self.values[0].len() as u64, conclusions }
     }
 
-    fn answer(&self, of: AnswerOf, alpha: f64) -> Answer {
+    fn conclusion(&self, of: ConclusionOf, alpha: f64) -> Conclusion {
         let values = match of {
-            AnswerOf::Variant(variant) => self.values[variant].clone(),
-            AnswerOf::Pair(VariantPair { first, second }) => {
+            ConclusionOf::Variant(variant) => self.values[variant].clone(),
+            ConclusionOf::Pair(VariantPair { first, second }) => {
                 self.values[first].iter().zip(&self.values[second]).map(|(first, second)| second - first).collect()
             }
         };
@@ -227,13 +236,14 @@ impl Monitor {
         let interval = sequence_interval(&series, alpha);
         let is_early = first_look(&values).is_none_or(|first| values.len() < first);
         let is_known = !is_early
-            && interval.is_some_and(|Interval { low, high }| match self.rule.goal {
+            && interval.is_some_and(|interval| match self.rule.goal {
                 StoppingGoal::Decided { margin } => {
-                    low > 0.0 || high < 0.0 || margin > 0.0 && -margin <= low && high <= margin
+                    let Interval { low, high } = interval;
+                    interval.excludes_zero() || margin > 0.0 && -margin <= low && high <= margin
                 }
-                StoppingGoal::Within { half_width } => high - low <= 2.0 * half_width,
+                StoppingGoal::Within { half_width } => interval.high - interval.low <= 2.0 * half_width,
             });
-        Answer { of, mean: series.mean().unwrap_or(f64::NAN), interval, is_known }
+        Conclusion { of, mean: series.mean().unwrap_or(f64::NAN), interval, is_known }
     }
 }
 
@@ -254,10 +264,10 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         mut on_run: impl FnMut(RunEnd),
         mut on_look: impl FnMut(&Look),
-    ) -> Result<(Self, Option<Look>), BatchError> {
+    ) -> Result<PlayedBatch, BatchError> {
         let Some(rule) = self.plan().until.clone() else {
             self.run_with(run, jobs, stop, on_run)?;
-            return Ok((self, None));
+            return Ok(PlayedBatch { batch: self, look: None });
         };
         let run = Arc::from(run);
         let most = self.plan().seeds.count();
@@ -278,7 +288,7 @@ impl Batch {
             on_look(&look);
             if look.is_over() || played == most {
                 let batch = if played < most { self.shorten(played)? } else { self };
-                return Ok((batch, Some(look)));
+                return Ok(PlayedBatch { batch, look: Some(look) });
             }
         }
     }

@@ -29,11 +29,11 @@ use estimates::Estimates;
 use keeping::LockArguments;
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::decisions::SelectedDecisions;
-use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, RunEnd, Status, limit_threads};
+use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, Status, limit_threads};
 use wildfire_batch::plan::{
     BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, PROGRAM_VERSION, RequestError, Slice, shell_word,
 };
-use wildfire_batch::stopping::{Look, MOST_SEEDS};
+use wildfire_batch::stopping::{MOST_SEEDS, PlayedBatch};
 use wildfire_batch::table::FinishedBatch;
 use wildfire_scenario::ScenarioText;
 
@@ -103,7 +103,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
-    let (batch, look) = run_with_progress(batch, jobs, watch.stop(), context).map_err(from_batch)?;
+    let PlayedBatch { batch, look } = run_with_progress(batch, jobs, watch.stop(), context).map_err(from_batch)?;
     // Tables are those of the whole batch: a slice is merged later.
     if !batch.progress().slice().is_whole() {
         drop(watch);
@@ -272,7 +272,7 @@ fn run_with_progress(
     jobs: usize,
     stop: &Arc<AtomicBool>,
     context: &CommandContext,
-) -> Result<(Batch, Option<Look>), BatchError> {
+) -> Result<PlayedBatch, BatchError> {
     let stored = batch.progress().stored();
     let mut not_done = batch.progress().not_done();
     let lost = batch.found().lost_recordings.len() as u64;
@@ -282,17 +282,22 @@ fn run_with_progress(
     let mut estimates = is_new.then(|| Estimates::new(batch.plan(), jobs));
     let plan = batch.plan().clone();
     let simulation = batch.simulation(&context.registry);
-    let on_run = |end: RunEnd| {
-        if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
-            progress.note(&sentence);
-        }
-        if end.status != Status::Done {
-            not_done += 1;
-            progress.say(format!("({not_done} failed)"));
-        }
-        progress.advance();
-    };
-    let done = batch.run_until(simulation, jobs, stop, on_run, |look| progress.say(look.progress(&plan)));
+    let done = batch.run_until(
+        simulation,
+        jobs,
+        stop,
+        |end| {
+            if let Some(sentence) = estimates.as_mut().and_then(|estimates| estimates.sentence(end)) {
+                progress.note(&sentence);
+            }
+            if end.status != Status::Done {
+                not_done += 1;
+                progress.say(format!("({not_done} failed)"));
+            }
+            progress.advance();
+        },
+        |look| progress.say(look.progress(&plan)),
+    );
     progress.end();
     done
 }

@@ -144,11 +144,13 @@ impl Metric {
     /// Returns a run's value, whatever its kind: an answer is 1 for yes and 0 for no, and a time that was cut off ends with
     /// the run. `None` of a run that is not done, or has none.
     pub fn value(&self, run: &RunRecord) -> Option<f64> {
-        let number = |column| run.number(run_column(column));
         match self.kind {
             _ if !run.is_done() => None,
             MetricKind::Answer { column, yes } => Some(f64::from(u8::from(run.text(run_column(column)) == yes))),
-            MetricKind::Time { event, end, start } => number(start).and_then(|_| number(event).or_else(|| number(end))),
+            MetricKind::Time { event, end, start } => {
+                run.number(run_column(start))?;
+                run.number(run_column(event)).or_else(|| run.number(run_column(end)))
+            }
             _ => self.number(run),
         }
     }

@@ -336,7 +336,7 @@ impl Verdict {
     fn from_interval(interval: Option<Interval>) -> Self {
         match interval {
             None => Self::Equal,
-            Some(Interval { low, high }) if low > 0.0 || high < 0.0 => Self::Difference,
+            Some(interval) if interval.excludes_zero() => Self::Difference,
             Some(_) => Self::NoEvidence,
         }
     }

@@ -18,8 +18,7 @@ pub fn differences(there: &BatchPlan, requested: &BatchPlan) -> Vec<String> {
     };
     compare("seeds", there.seeds.to_string(), requested.seeds.to_string());
     compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", requested.record).to_lowercase());
-    let rule = |plan: &BatchPlan| plan.until.as_ref().map_or("nothing".into(), ToString::to_string);
-    compare("the stopping rule", rule(there), rule(requested));
+    compare("the stopping rule", there.rule_text(), requested.rule_text());
     compare("memory", there.memory.to_string(), requested.memory.to_string());
     compare("the list of swept keys", listed(&there.swept_keys), listed(&requested.swept_keys));
     compare("the number of variants", there.variants.len().to_string(), requested.variants.len().to_string());

@@ -32,12 +32,10 @@ impl StoppingRule {
     /// Returns the pairs of variants that are compared, by their places: those with equal swept values, such as two planners
     /// at one coverage, or all if there are none of these.
     pub fn pairs(swept: &[&[Value]]) -> Vec<VariantPair> {
-        let all = || {
-            let firsts = 0..swept.len();
-            firsts.flat_map(|first| (first + 1..swept.len()).map(move |second| VariantPair { first, second }))
-        };
-        let alike: Vec<_> = all().filter(|pair| swept[pair.first] == swept[pair.second]).collect();
-        if alike.is_empty() { all().collect() } else { alike }
+        let firsts = 0..swept.len();
+        let all = firsts.flat_map(|first| (first + 1..swept.len()).map(move |second| VariantPair { first, second }));
+        let (alike, others): (Vec<_>, Vec<_>) = all.partition(|pair| swept[pair.first] == swept[pair.second]);
+        if alike.is_empty() { others } else { alike }
     }
 }
 
@@ -90,6 +88,11 @@ impl BatchPlan {
     pub fn number_among(&self, longer: &Self, run: &PlannedRun<'_>) -> u64 {
         let [variant, place] = [(run.number - 1) / self.seeds.count(), (run.number - 1) % self.seeds.count()];
         variant * longer.seeds.count() + place + 1
+    }
+
+    /// Names the rule by which the batch stops, or nothing.
+    pub(super) fn rule_text(&self) -> String {
+        self.until.as_ref().map_or("nothing".into(), ToString::to_string)
     }
 
     /// Says by what rule the batch stops, and after how many seeds it did: `saved decided, after 66 of at most 1000

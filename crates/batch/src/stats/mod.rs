@@ -67,6 +67,11 @@ impl Interval {
         Self { low: centre - half_width, high: centre + half_width }
     }
 
+    /// Returns whether zero lies outside.
+    pub fn excludes_zero(self) -> bool {
+        self.low > 0.0 || self.high < 0.0
+    }
+
     /// Returns both ends of an optional interval.
     pub fn ends(interval: Option<Self>) -> [Option<f64>; 2] {
         [interval.map(|interval| interval.low), interval.map(|interval| interval.high)]

@@ -37,9 +37,10 @@ pub fn sequence_half_width(count: u64, deviation: f64, alpha: f64) -> Option<f64
 pub fn first_look(values: &[f64]) -> Option<usize> {
     let first = values.get(..FIRST)?;
     let mean = first.iter().sum::<f64>() / FIRST as f64;
-    let moment = |power: i32| first.iter().map(|value| (value - mean).powi(power)).sum::<f64>() / FIRST as f64;
+    let [second, third] =
+        [2, 3].map(|power| first.iter().map(|value| (value - mean).powi(power)).sum::<f64>() / FIRST as f64);
     // The moment estimator of skewness; of equal numbers it is none, which is not trusted either.
-    let skewness = moment(3) / (moment(2) * moment(2).sqrt());
+    let skewness = third / (second * second.sqrt());
     Some(if skewness.abs() <= GREATEST_SKEWNESS { FIRST } else { FIRST_IF_SKEWED })
 }
 
@@ -77,8 +78,7 @@ mod tests {
             let mut series = Series::default();
             misled += u32::from((1..=400).any(|t| {
                 series.add((0..4).map(|_| random.random::<f64>()).sum::<f64>() - 2.0);
-                let excludes_zero = |it: Interval| it.low > 0.0 || it.high < 0.0;
-                t >= 20 && t % 10 == 0 && sequence_interval(&series, 0.05).is_some_and(excludes_zero)
+                t >= 20 && t % 10 == 0 && sequence_interval(&series, 0.05).is_some_and(Interval::excludes_zero)
             }));
         }
         // 20 of 400 are allowed; Student's interval would mislead in more than 80.
