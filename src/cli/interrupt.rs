@@ -79,6 +79,8 @@ pub const USUAL_TIDYING: Duration = Duration::from_secs(5);
 /// Begins to watch for the first signal, after which tidying up may take some time.
 pub fn watch(longest_tidying: Duration) -> Watch {
     let is_resumable = ENDS_RESUMABLE.load(Ordering::SeqCst);
+    #[cfg(not(unix))]
+    let _ = longest_tidying;
     #[cfg(unix)]
     announcer::start(if is_resumable { exit::RESUMABLE } else { exit::INTERRUPTED }, longest_tidying);
     ENDS_RESUMABLE.store(false, Ordering::SeqCst);
