@@ -7,9 +7,11 @@ use super::launch::{Launch, ProcessError, QueryLimits};
 
 /// A program that was started, which no program is.
 #[derive(Debug)]
-pub enum Process {}
+pub enum NoProcess {}
 
-impl Process {
+pub use self::NoProcess as Process;
+
+impl NoProcess {
     pub fn start(_: &Launch) -> Result<Self, ProcessError> {
         Err(ProcessError::crashed(format!("is a program, and {ONLY_ON_UNIX}")))
     }
