@@ -37,8 +37,9 @@ pub fn sequence_half_width(count: u64, deviation: f64, alpha: f64) -> Option<f64
 pub fn first_look(values: &[f64]) -> Option<usize> {
     let first = values.get(..FIRST)?;
     let mean = first.iter().sum::<f64>() / FIRST as f64;
-    let [second, third] =
-        [2, 3].map(|power| first.iter().map(|value| (value - mean).powi(power)).sum::<f64>() / FIRST as f64);
+    let deviations = first.iter().map(|value| value - mean);
+    let second = deviations.clone().map(|deviation| deviation * deviation).sum::<f64>() / FIRST as f64;
+    let third = deviations.map(|deviation| deviation * deviation * deviation).sum::<f64>() / FIRST as f64;
     // The moment estimator of skewness; of equal numbers it is none, which is not trusted either.
     let skewness = third / (second * second.sqrt());
     Some(if skewness.abs() <= GREATEST_SKEWNESS { FIRST } else { FIRST_IF_SKEWED })
