@@ -106,8 +106,8 @@ class Ground {
         return { burning: burning * perCell, burned: (lastAt(this.firsts, ns) + 1) * perCell };
     }
 
-    // The length of the edge of what has burned. A straight front across square cells is a staircase, 4 / pi times as long in
-    // the mean over its directions.
+    // The length of the edge of what has burned. A straight front across square cells is a staircase, 4 / pi times as long
+    // averaged over its directions.
     perimeterAt(ns) {
         this.edges ??= this.countEdges();
         return (0.25 * Math.PI * this.run.cell_m * (this.edges[lastAt(this.firsts, ns)] ?? 0));

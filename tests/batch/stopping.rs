@@ -23,7 +23,7 @@ fn two_variants(seeds: &str, goal: StoppingGoal, record: Record) -> BatchPlan {
         scenario: Scenario { name: "better".into(), ..one.variants[0].scenario.clone() },
         ..one.variants[0].clone()
     };
-    let until = StoppingRule { metric: "saved".into(), goal, most: one.seeds.clone() };
+    let until = StoppingRule { metric: "saved".into(), goal, max_seeds: one.seeds.clone() };
     BatchPlan { variants: vec![one.variants[0].clone(), other], until: Some(until), ..one }
 }
 
@@ -62,7 +62,7 @@ fn rows_are_those_of_a_batch_of_these_seeds_for_all_workers_and_interruptions() 
         let batch = Batch::begin(stopping(), folder(&path(&jobs.to_string()))).expect("the disk is fine");
         let look = finish(batch, true, jobs);
         // Of the first 20 seeds three fail, so that there are 20 pairs after 30.
-        assert_eq!((look.seeds, look.is_over(), look.conclusions.len()), (30, true, 1));
+        assert_eq!((look.seeds, look.is_over(), look.estimates.len()), (30, true, 1));
     }
     let fixed = BatchPlan { until: None, ..two_variants("1..30", DECIDED, Record::None) };
     let batch = Batch::begin(fixed, folder(&path("fixed"))).expect("the disk is fine");
@@ -129,7 +129,7 @@ fn what_does_not_differ_plays_all_seeds() {
 }
 
 #[test]
-fn mean_of_an_only_variant_is_known_to_what_was_asked() {
+fn mean_of_an_only_variant_is_settled_to_what_was_asked() {
     let scratch = tempfile::tempdir().expect("a scratch folder");
     let mut before = 0;
     for half_width in [1.0, 0.5, 0.3] {
@@ -137,7 +137,7 @@ fn mean_of_an_only_variant_is_known_to_what_was_asked() {
         let two = two_variants("1..1000", StoppingGoal::Within { half_width }, Record::None);
         let one = BatchPlan { variants: two.variants[..1].to_vec(), ..two };
         let look = finish(Batch::begin(one, folder(&path)).expect("the disk is fine"), false, 2);
-        let interval = look.conclusions[0].interval.expect("the values differ");
+        let interval = look.estimates[0].interval.expect("the values differ");
         assert!(look.is_over() && interval.high - interval.low <= 2.0 * half_width, "{look:?}");
         assert!(look.seeds > before, "narrower intervals need more seeds: {look:?}");
         before = look.seeds;
@@ -155,7 +155,7 @@ fn comparison_has_the_interval_by_which_the_batch_stopped() {
     let comparison = compare(&paths, &selection, &["saved".to_owned()]).expect("it is finished");
     let judged = &comparison.against_a[0].judged[0];
     assert_eq!((judged.verdict, judged.contrast.p_value), (Verdict::Difference, None));
-    let [found, expected] = [judged.contrast.interval, look.conclusions[0].interval].map(|it| it.expect("they differ"));
+    let [found, expected] = [judged.contrast.interval, look.estimates[0].interval].map(|it| it.expect("they differ"));
     assert!((found.low - expected.low).abs() < 1e-9 && (found.high - expected.high).abs() < 1e-9);
     let questions = Questions { power: Some("1".parse().expect("an amount")), ..Questions::default() };
     assert!(matches!(comparison.asking(questions), Err(ComparisonError::StoppedByRule { .. })));

@@ -251,7 +251,7 @@ fn comparison_by_planner_says_what_it_is_a_mean_over() {
         text.contains("it depends on duration_s and field.coverage"),
         "lattice drives more where more burns:\n{text}"
     );
-    assert!(text.contains("duration_s 200, field.coverage 0.05: truck_distance_m is"), "{text}");
+    assert!(text.contains("duration_s 200, field.coverage 0.05: with B trucks drive"), "{text}");
     let json: Value = serde_json::from_str(&flat(&story, &["a", "--by", "planner", "--json"])).expect("it is JSON");
     let of_planner = &json["comparisons"][0];
     assert_eq!(of_planner["mean_over"]["columns"], serde_json::json!(["duration_s", "field.coverage"]));

@@ -24,11 +24,11 @@ pub const STEP: u64 = 10;
 /// The most variants that a rule compares, each pair by its own share of the error.
 const MAX_VARIANTS: usize = 100;
 
-/// The most conclusions that are listed.
+/// The most estimates that are listed.
 const MAX_LISTED: usize = 30;
 
 /// The seeds of which a batch with a rule plays the first, unless others are given.
-pub const MOST_SEEDS: &str = "1..1000";
+pub const USUAL_MAX_SEEDS: &str = "1..1000";
 
 /// What is to be known before a batch stops, as people write it: `decided`, or `saved=0.5`.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,7 +110,7 @@ impl StopRequest {
             StoppingGoal::Decided { margin } if !goal.is_valid() => Err(StopError::Margin { margin }),
             _ => {
                 let metric = Metric::of_outcomes(metric)?.name.into_owned();
-                Ok(StoppingRule { metric, goal, most: plan.seeds.clone() })
+                Ok(StoppingRule { metric, goal, max_seeds: plan.seeds.clone() })
             }
         }
     }
@@ -120,7 +120,7 @@ impl StopRequest {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     pub seeds: u64,
-    pub conclusions: Vec<Conclusion>,
+    pub estimates: Vec<SequenceEstimate>,
 }
 
 /// A batch all of whose runs are over.
@@ -133,17 +133,17 @@ pub struct PlayedBatch {
 
 /// What is known of one question.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Conclusion {
+pub struct SequenceEstimate {
     /// Two variants by their places in the plan, the difference of the second from the first; or one, its mean.
-    pub of: ConclusionOf,
+    pub of: EstimateOf,
     pub mean: f64,
     pub interval: Option<Interval>,
     /// True if the rule asks for no more.
-    pub is_known: bool,
+    pub is_settled: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConclusionOf {
+pub enum EstimateOf {
     Variant(usize),
     Pair(VariantPair),
 }
@@ -151,42 +151,41 @@ pub enum ConclusionOf {
 impl Look {
     /// Returns whether all questions are answered.
     pub fn is_over(&self) -> bool {
-        self.conclusions.iter().all(|conclusion| conclusion.is_known)
+        self.estimates.iter().all(|estimate| estimate.is_settled)
     }
 
-    /// Returns the conclusions as sentences, and what their intervals mean.
+    /// Returns the estimates as sentences, and what their intervals mean.
     pub fn sentences(&self, plan: &BatchPlan) -> Vec<String> {
         let Some(StoppingRule { metric, .. }) = &plan.until else { return Vec::new() };
-        let more = self.conclusions.len().saturating_sub(MAX_LISTED);
+        let more = self.estimates.len().saturating_sub(MAX_LISTED);
         let more = (more > 0).then(|| format!("and {more} more; `wildfire compare` lists them"));
-        let conclusions = self.conclusions.iter().take(MAX_LISTED).map(|conclusion| {
-            let what = match conclusion.of {
-                ConclusionOf::Variant(variant) => format!("{metric}, {}", plan.title(&plan.variants[variant])),
-                ConclusionOf::Pair(VariantPair { first, second }) => {
+        let estimates = self.estimates.iter().take(MAX_LISTED).map(|estimate| {
+            let what = match estimate.of {
+                EstimateOf::Variant(variant) => format!("{metric}, {}", plan.title(&plan.variants[variant])),
+                EstimateOf::Pair(VariantPair { first, second }) => {
                     let [first, second] = [first, second].map(|it| plan.title(&plan.variants[it]));
                     format!("{metric}, {second} minus {first}")
                 }
             };
-            format!("{what}: {}", conclusion.amount())
+            format!("{what}: {}", estimate.amount())
         });
         let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables are for a number \
                     that was fixed before.";
-        let open = self.conclusions.iter().filter(|conclusion| !conclusion.is_known).count();
-        let not_known = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.conclusions.len()));
-        conclusions.chain(more).chain(not_known).chain([note.to_owned()]).collect()
+        let open = self.estimates.iter().filter(|estimate| !estimate.is_settled).count();
+        let unsettled = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.estimates.len()));
+        estimates.chain(more).chain(unsettled).chain([note.to_owned()]).collect()
     }
 
     /// Returns the widest interval in a few words, for a line of progress.
     pub fn progress(&self, plan: &BatchPlan) -> String {
-        let open = self.conclusions.iter().filter(|conclusion| !conclusion.is_known);
+        let open = self.estimates.iter().filter(|estimate| !estimate.is_settled);
         let metric = plan.until.as_ref().map_or("", |rule| &rule.metric);
         let widest = open.clone().max_by(|one, other| one.width().total_cmp(&other.width()));
-        widest
-            .map_or_else(String::new, |conclusion| format!("({} open: {metric} {})", open.count(), conclusion.amount()))
+        widest.map_or_else(String::new, |estimate| format!("({} open: {metric} {})", open.count(), estimate.amount()))
     }
 }
 
-impl Conclusion {
+impl SequenceEstimate {
     fn width(&self) -> f64 {
         self.interval.map_or(f64::INFINITY, |it| it.high - it.low)
     }
@@ -216,18 +215,18 @@ impl Monitor {
     }
 
     fn look(&self) -> Look {
-        let of_pairs = self.pairs.iter().copied().map(ConclusionOf::Pair);
-        let questions: Vec<ConclusionOf> =
-            if self.pairs.is_empty() { vec![ConclusionOf::Variant(0)] } else { of_pairs.collect() };
+        let of_pairs = self.pairs.iter().copied().map(EstimateOf::Pair);
+        let questions: Vec<EstimateOf> =
+            if self.pairs.is_empty() { vec![EstimateOf::Variant(0)] } else { of_pairs.collect() };
         let alpha = StoppingRule::error_of_each(questions.len());
-        let conclusions = questions.into_iter().map(|of| self.conclusion(of, alpha)).collect();
-        Look { seeds: self.values[0].len() as u64, conclusions }
+        let estimates = questions.into_iter().map(|of| self.estimate(of, alpha)).collect();
+        Look { seeds: self.values[0].len() as u64, estimates }
     }
 
-    fn conclusion(&self, of: ConclusionOf, alpha: f64) -> Conclusion {
+    fn estimate(&self, of: EstimateOf, alpha: f64) -> SequenceEstimate {
         let values = match of {
-            ConclusionOf::Variant(variant) => self.values[variant].clone(),
-            ConclusionOf::Pair(VariantPair { first, second }) => {
+            EstimateOf::Variant(variant) => self.values[variant].clone(),
+            EstimateOf::Pair(VariantPair { first, second }) => {
                 self.values[first].iter().zip(&self.values[second]).map(|(first, second)| second - first).collect()
             }
         };
@@ -235,7 +234,7 @@ impl Monitor {
         let series = Series::from_values(&values);
         let interval = sequence_interval(&series, alpha);
         let is_early = first_look(&values).is_none_or(|first| values.len() < first);
-        let is_known = !is_early
+        let is_settled = !is_early
             && interval.is_some_and(|interval| match self.rule.goal {
                 StoppingGoal::Decided { margin } => {
                     let Interval { low, high } = interval;
@@ -243,7 +242,7 @@ impl Monitor {
                 }
                 StoppingGoal::Within { half_width } => interval.high - interval.low <= 2.0 * half_width,
             });
-        Conclusion { of, mean: series.mean().unwrap_or(f64::NAN), interval, is_known }
+        SequenceEstimate { of, mean: series.mean().unwrap_or(f64::NAN), interval, is_settled }
     }
 }
 
@@ -270,24 +269,24 @@ impl Batch {
             return Ok(PlayedBatch { batch: self, look: None });
         };
         let run = Arc::from(run);
-        let most = self.plan().seeds.count();
+        let max_seeds = self.plan().seeds.count();
         let mut monitor = Monitor::new(rule, self.plan());
         let mut played = 0;
         loop {
-            let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(most);
-            self.run_some(move |run| (run - 1) % most < seeds, &run, jobs, stop, &mut on_run)?;
+            let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(max_seeds);
+            self.run_some(move |run| (run - 1) % max_seeds < seeds, &run, jobs, stop, &mut on_run)?;
             let mut rows = self.rows()?;
             for (variant, values) in (0..).zip(&mut monitor.values) {
                 for place in played..seeds {
-                    let row = rows.row(variant * most + place + 1)?;
+                    let row = rows.row(variant * max_seeds + place + 1)?;
                     values.push(monitor.metric.value(&RunRecord::from_row(&row)).unwrap_or(f64::NAN));
                 }
             }
             played = seeds;
             let look = monitor.look();
             on_look(&look);
-            if look.is_over() || played == most {
-                let batch = if played < most { self.shorten(played)? } else { self };
+            if look.is_over() || played == max_seeds {
+                let batch = if played < max_seeds { self.shorten(played)? } else { self };
                 return Ok(PlayedBatch { batch, look: Some(look) });
             }
         }

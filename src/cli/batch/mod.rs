@@ -33,7 +33,7 @@ use wildfire_batch::execute::{Batch, BatchError, Found, OutputFolder, Status, li
 use wildfire_batch::plan::{
     BatchPlan, BatchRequest, CoursePlan, CourseRefusal, CourseRequest, PROGRAM_VERSION, RequestError, Slice, shell_word,
 };
-use wildfire_batch::stopping::{MOST_SEEDS, PlayedBatch};
+use wildfire_batch::stopping::{PlayedBatch, USUAL_MAX_SEEDS};
 use wildfire_batch::table::FinishedBatch;
 use wildfire_scenario::ScenarioText;
 
@@ -183,7 +183,7 @@ fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPla
     if let Some(seeds) = &arguments.seeds {
         request.seeds = Some(seeds.seeds()?);
     } else if arguments.until.is_some() && request.seeds.is_none() {
-        request.seeds = Some(MOST_SEEDS.parse().expect("a range"));
+        request.seeds = Some(USUAL_MAX_SEEDS.parse().expect("a range"));
     }
     request.record = arguments.record.or(request.record);
     request.memory = arguments.memory.or(request.memory);

@@ -202,8 +202,7 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
-        let lost: Vec<u64> = self.found.lost_recordings.drain(..).map(|lost| lost.run).collect();
-        let lost_count = lost.len();
+        let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
         // A process with nothing to do is no machine that took part.
         if !lost.is_empty() || self.journal.index().missing(is_wanted).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
@@ -228,8 +227,13 @@ impl Batch {
         let recorded_again = worked_off?;
         brought?;
         self.expect_unchanged_plan()?;
-        let is_over = self.journal.index().missing(is_wanted).next().is_none() && recorded_again == lost_count;
-        if is_over { Ok(()) } else { Err(BatchError::Stopped) }
+        let is_over = self.journal.index().missing(is_wanted).next().is_none()
+            && recorded_again == self.found.lost_recordings.len();
+        if !is_over {
+            return Err(BatchError::Stopped);
+        }
+        self.found.lost_recordings.clear();
+        Ok(())
     }
 
     /// Ends a whole batch after its first seeds, all of whose runs are in the journal: plan, journal and recordings become

@@ -246,7 +246,7 @@ impl BatchPlan {
             return Err(not_a_plan("it has no variants"));
         }
         if let Some(rule) = &self.until
-            && (!rule.goal.is_valid() || rule.most.first(self.seeds.count()) != self.seeds)
+            && (!rule.goal.is_valid() || rule.max_seeds.first(self.seeds.count()) != self.seeds)
         {
             return Err(not_a_plan("its seeds are not the first of those that its stopping rule allows"));
         }

@@ -17,7 +17,7 @@ pub struct StoppingRule {
     /// All seeds, of which the batch plays the first.
     #[serde(with = "seeds_text")]
     #[schemars(with = "String")]
-    pub most: Seeds,
+    pub max_seeds: Seeds,
 }
 
 impl StoppingRule {
@@ -99,7 +99,7 @@ impl BatchPlan {
     /// seeds`. `None` without a rule.
     pub fn stop_text(&self) -> Option<String> {
         let rule = self.until.as_ref()?;
-        Some(format!("{rule}, after {} of at most {} seeds", self.seeds.count(), rule.most.count()))
+        Some(format!("{rule}, after {} of at most {} seeds", self.seeds.count(), rule.max_seeds.count()))
     }
 }
 

@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn skewed_numbers_are_looked_at_later() {
+    fn skewed_numbers_wait_longer() {
         let symmetric: Vec<f64> = (0..30).map(f64::from).collect();
         let skewed: Vec<f64> = (0..30).map(|i| f64::from(u8::from(i % 10 == 0))).collect();
         let found = [&symmetric[..], &skewed, &symmetric[..19], &[2.0; 20]].map(first_look);
