@@ -23,10 +23,10 @@ one_of!(By, "a column, or a column with its values", Self::Column, |(column, val
 /// A difference: a number, or one with a unit.
 pub enum Size {
     Number(f64),
-    Words(String),
+    Text(String),
 }
 
-one_of!(Size, "a number, or a text such as '5 s'", Self::Number, Self::Words);
+one_of!(Size, "a number, or a text such as '5 s'", Self::Number, Self::Text);
 
 /// Compares batches, or the parts of one, paired by seed.
 ///
@@ -129,7 +129,7 @@ pub fn compare<'py>(
 fn amount(name: &str, size: Option<Size>) -> PyResult<Option<Amount>> {
     let text = size.map(|size| match size {
         Size::Number(number) => number.to_string(),
-        Size::Words(words) => words,
+        Size::Text(words) => words,
     });
     text.map(|text| text.parse().map_err(|reason| error(format!("{name} {text}: {reason}")))).transpose()
 }

@@ -5,9 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use wildfire::batch::comparison::{ComparisonError, Questions, Selection, Verdict, compare};
+use wildfire::batch::comparison::{
+    ComparisonError, Questions, RankingRequest, Selection, Verdict, compare, rank,
+};
 use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
-use wildfire::batch::plan::{BatchPlan, Record, Slice, StoppingGoal, StoppingRule, Variant};
+use wildfire::batch::plan::{BatchPlan, Record, Slice, StoppingGoal, StoppingRule, Value, Variant};
 use wildfire::batch::stopping::{Look, PlayedBatch};
 use wildfire::batch::table::FinishedBatch;
 use wildfire::scenario::Scenario;
@@ -23,7 +25,7 @@ fn two_variants(seeds: &str, goal: StoppingGoal, record: Record) -> BatchPlan {
         scenario: Scenario { name: "better".into(), ..one.variants[0].scenario.clone() },
         ..one.variants[0].clone()
     };
-    let until = StoppingRule { metric: "saved".into(), goal, max_seeds: one.seeds.clone() };
+    let until = StoppingRule { metric: "saved".into(), goal, max_seeds: one.seeds.clone(), played: Vec::new() };
     BatchPlan { variants: vec![one.variants[0].clone(), other], until: Some(until), ..one }
 }
 
@@ -159,4 +161,147 @@ fn comparison_has_the_interval_by_which_the_batch_stopped() {
     assert!((found.low - expected.low).abs() < 1e-9 && (found.high - expected.high).abs() < 1e-9);
     let questions = Questions { power: Some("1".parse().expect("an amount")), ..Questions::default() };
     assert!(matches!(comparison.asking(questions), Err(ComparisonError::StoppedByRule { .. })));
+}
+
+/// Bushes on fire with an entry, which differ by chance from seed to seed: two entries are equally good.
+fn ignited(entry: &str, seed: u64) -> u64 {
+    match entry {
+        "best" => seed % 3,
+        "twin" => (seed + 1) % 3,
+        "middle" => (5 * seed + 1) % 5,
+        _ => 6 - seed % 2,
+    }
+}
+
+const ENTRIES: [&str; 4] = ["middle", "best", "worst", "twin"];
+
+fn entries_simulation() -> Box<RunScenario> {
+    Box::new(|scenario, seed| made_up_run(scenario, 700 * seed + ignited(&scenario.name, seed)))
+}
+
+/// Four entries of a class, of which a rule finds the best.
+fn class(seeds: &str, goal: StoppingGoal, record: Record) -> BatchPlan {
+    let one = plan(seeds, record);
+    let variants = ENTRIES.map(|name| Variant {
+        scenario: Scenario { name: name.into(), ..one.variants[0].scenario.clone() },
+        swept: vec![Value::Text(name.into())],
+        ..one.variants[0].clone()
+    });
+    let until = StoppingRule { metric: "saved".into(), goal, max_seeds: one.seeds.clone(), played: Vec::new() };
+    BatchPlan { variants: variants.to_vec(), swept_keys: vec!["entry".into()], until: Some(until), ..one }
+}
+
+fn play(batch: Batch, jobs: usize) -> PlayedBatch {
+    let stop = Arc::default();
+    let played = batch.run_until(entries_simulation(), jobs, &stop, |_| {}, |_| {}).expect("the disk is fine");
+    played.batch.finish(&stop).expect("the disk is fine");
+    played
+}
+
+const GROUPS: StoppingGoal = StoppingGoal::Groups { margin: 0.0 };
+
+#[test]
+fn entries_that_are_worse_are_dropped_and_the_first_group_is_that_of_all_runs() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = |name: &str| scratch.path().join(name);
+    for jobs in [1, 3] {
+        let name = jobs.to_string();
+        let PlayedBatch { batch, look } = play(
+            Batch::begin(class("1..120", GROUPS, Record::None), folder(&path(&name))).expect("the disk is fine"),
+            jobs,
+        );
+        let played = batch.plan().played();
+        assert!(played[0] < 120 && played[2] == 20 && [played[1], played[3]] == [120, 120], "{played:?}");
+        let sentences = look.expect("there is a rule").sentences(batch.plan());
+        assert!(sentences[0].contains("best, entry best; twin, entry twin."), "{sentences:?}");
+    }
+    assert_same_rows(&path("1"), &path("3"));
+    let all = BatchPlan { until: None, ..class("1..120", GROUPS, Record::None) };
+    play(Batch::begin(all, folder(&path("all"))).expect("the disk is fine"), 2);
+    let first_group = |name: &str| {
+        let ranking = rank(&[path(name)], &RankingRequest::default()).expect("it is finished");
+        let first = ranking.entries.iter().filter(|entry| entry.ranks[0] == 1);
+        let mut names: Vec<String> = first.map(|entry| entry.name.clone()).collect();
+        names.sort();
+        (names, ranking)
+    };
+    let (names, ranking) = first_group("1");
+    assert_eq!(names, ["best", "twin"]);
+    assert_eq!(names, first_group("all").0);
+    assert_eq!(ranking.stop.as_deref(), Some("the best by saved, after 20 to 120 of at most 120 seeds"));
+    let runs: Vec<usize> = ranking.entries.iter().map(|entry| entry.runs).collect();
+    assert!(runs[..2] == [120, 120] && runs[3] == 20, "{runs:?}");
+    assert!(ranking.pairs.iter().all(|pair| pair.p_adjusted.is_none()), "p-values are for a fixed number of runs");
+}
+
+#[test]
+fn entries_that_stop_apart_can_be_interrupted_and_lose_nothing_in_a_crash() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = |name: &str| scratch.path().join(name);
+    let begin =
+        |name: &str| Batch::begin(class("1..60", GROUPS, Record::All), folder(&path(name))).expect("the disk is fine");
+    let before = begin("whole");
+    let plan_json = fs::read(path("whole").join("plan.json")).expect("it was written");
+    let whole = play(before, 2).batch;
+    let plan = whole.plan();
+    for number in 1..=plan.count() {
+        let place = plan.place(number);
+        assert_eq!(plan.number(place), number);
+        assert_eq!(plan.run(number).seed, plan.seeds.nth(place.seed));
+    }
+    for runs in [30, 90, 150] {
+        let (stop, started, run) = (Arc::new(AtomicBool::new(false)), AtomicU64::new(0), entries_simulation());
+        let flag = Arc::clone(&stop);
+        let stopped: Box<RunScenario> = Box::new(move |scenario, seed| {
+            if started.fetch_add(1, Ordering::Relaxed) + 1 >= runs {
+                flag.store(true, Ordering::Relaxed);
+            }
+            run(scenario, seed)
+        });
+        let name = format!("at-{runs}");
+        let result = begin(&name).run_until(stopped, 2, &stop, |_| {}, |_| {}).map(drop);
+        assert!(matches!(result, Err(BatchError::Stopped)), "after {runs} runs");
+        play(Batch::resume(folder(&path(&name)), Slice::WHOLE).expect("it can be resumed"), 2);
+        assert_same_rows(&path(&name), &path("whole"));
+    }
+    // As after a crash between journal and plan.
+    fs::write(path("at-30").join("plan.json"), plan_json).expect("writable");
+    fs::remove_file(path("at-30").join("runs.csv")).expect("it was written");
+    let resumed = Batch::resume(folder(&path("at-30")), Slice::WHOLE).expect("it can be resumed");
+    assert_eq!(resumed.plan().played(), plan.played());
+    play(resumed, 2);
+    assert_same_rows(&path("at-30"), &path("whole"));
+    let finished = FinishedBatch::open(&path("at-30")).expect("it is finished");
+    assert!(finished.runs().all(|run| finished.recording(&run).is_some()));
+}
+
+/// The batch of a plan that has stopped is played again with the same runs.
+#[test]
+fn plan_of_a_batch_that_stopped_gives_the_same_rows() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let path = |name: &str| scratch.path().join(name);
+    let begin = |plan: BatchPlan, name: &str| Batch::begin(plan, folder(&path(name))).expect("the disk is fine");
+    play(begin(class("1..60", GROUPS, Record::None), "once"), 2);
+    let again = BatchPlan::read(&path("once")).expect("it was written");
+    play(begin(again, "again"), 2);
+    assert_same_rows(&path("once"), &path("again"));
+}
+
+#[test]
+fn pairs_of_a_sweep_stop_by_themselves() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let of_class = class("1..100", DECIDED, Record::None);
+    // Two coverages of two planners: at one of them the planners are equal.
+    let swept = ["0.1", "0.2", "0.1", "0.2"].map(|value| vec![Value::Text(value.into())]);
+    let named = ["best", "best", "worst", "twin"];
+    let variants = of_class.variants.iter().zip(swept).zip(named).map(|((variant, swept), name)| Variant {
+        scenario: Scenario { name: name.into(), ..variant.scenario.clone() },
+        swept,
+        ..variant.clone()
+    });
+    let plan = BatchPlan { variants: variants.collect(), ..of_class };
+    let PlayedBatch { batch, .. } = play(Batch::begin(plan, folder(scratch.path())).expect("the disk is fine"), 2);
+    assert_eq!(batch.plan().played(), [20, 100, 20, 100]);
+    let stop = batch.plan().stop_text();
+    assert_eq!(stop.as_deref(), Some("saved decided, after 20 to 100 of at most 100 seeds"));
 }

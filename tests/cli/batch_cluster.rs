@@ -110,6 +110,35 @@ fn tasks_of_an_array_of_any_scheduler_are_slices() {
     refuse(&story, &[&array[..8], &["--slices", "10001"]].concat(), &["10001"]);
 }
 
+/// As Kubernetes and AWS Batch count tasks, each of which has a disk of its own; afterwards somebody copies all slices into
+/// one folder.
+#[test]
+fn tasks_that_count_from_zero_on_machines_without_a_shared_disk_are_slices() {
+    let story = tiny();
+    story.tell(&["batch", "tiny.toml", "--seeds", "1..60", "--out", "whole"]).expect_code(0);
+    let task = |value: &str| {
+        let folder = format!("machine-{value}");
+        let array = ["--array-env", "JOB_COMPLETION_INDEX", "--first", "0", "--slices", "3"];
+        let mut command =
+            story.command(&[&["batch", "tiny.toml", "--seeds", "1..60", "--out", &folder][..], &array].concat());
+        Answer::of(&output_of(command.env("JOB_COMPLETION_INDEX", value)))
+    };
+    for value in ["3", "18446744073709551615"] {
+        let expected = format!("JOB_COMPLETION_INDEX is `{value}`; expected the number of a task, from 0 to 2");
+        task(value).expect_code(2).expect_complaint(&[&expected]);
+    }
+    fs::create_dir(story.path("out")).expect("writable");
+    for number in ["0", "1", "2"] {
+        task(number).expect_code(0);
+        for entry in fs::read_dir(story.path(&format!("machine-{number}"))).expect("the slice's folder") {
+            let entry = entry.expect("readable");
+            fs::copy(entry.path(), story.path("out").join(entry.file_name())).expect("copied");
+        }
+    }
+    story.tell(&["merge", "out"]).expect_code(0);
+    assert_like_the_whole(&story, "out");
+}
+
 #[test]
 fn merge_waits_for_slices_that_others_are_working_on() {
     let story = tiny();

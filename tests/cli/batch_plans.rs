@@ -177,8 +177,8 @@ fn first_interrupt_stops_a_batch_and_names_the_command_that_resumes_it() {
 fn second_interrupt_stops_a_batch_at_once() {
     let story = Story::begin();
     let child = long_batch(&story);
-    // The first one may be through before the second, so they follow at once; of one kind they could become one.
-    let both = format!("kill -INT {0} && kill -TERM {0}", child.id());
+    // The batch may end at the first, so both come while it is stopped; of one kind they could become one.
+    let both = format!("kill -STOP {0} && kill -INT {0} && kill -TERM {0} && kill -CONT {0}", child.id());
     let sent = std::process::Command::new("sh").args(["-c", &both]).status();
     assert!(sent.expect("there is a shell").success());
     assert_eq!(end_of(child).status.code(), Some(130));

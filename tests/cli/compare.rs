@@ -247,11 +247,12 @@ fn comparison_by_planner_says_what_it_is_a_mean_over() {
     }
     let text = story.tell(&["compare", "a", "--by", "planner", "--metric", "truck_distance_m"]).expect_code(0).stdout;
     assert!(widest(&text) <= 80, "{text}");
+    let lines = text.replace("\n  ", " ");
     assert!(
-        text.contains("it depends on duration_s and field.coverage"),
+        lines.contains("it depends on duration_s and field.coverage"),
         "lattice drives more where more burns:\n{text}"
     );
-    assert!(text.contains("duration_s 200, field.coverage 0.05: with B trucks drive"), "{text}");
+    assert!(lines.contains("duration_s 200, field.coverage 0.05: with B trucks drive"), "{text}");
     let json: Value = serde_json::from_str(&flat(&story, &["a", "--by", "planner", "--json"])).expect("it is JSON");
     let of_planner = &json["comparisons"][0];
     assert_eq!(of_planner["mean_over"]["columns"], serde_json::json!(["duration_s", "field.coverage"]));

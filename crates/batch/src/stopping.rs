@@ -10,9 +10,9 @@ use std::sync::atomic::AtomicBool;
 
 use thiserror::Error;
 
-use crate::comparison::{ComparisonError, Metric, USUAL_METRIC};
+use crate::comparison::{Better, ComparisonError, Metric, USUAL_METRIC};
 use crate::execute::{Batch, BatchError, RunEnd, RunScenario};
-use crate::plan::{BatchPlan, StoppingGoal, StoppingRule, VariantPair};
+use crate::plan::{BatchPlan, EstimateOf, MAX_COMPARED, RunPlace, StoppingGoal, StoppingRule, Value, VariantPair};
 use crate::stats::{Interval, Series, first_look, sequence_interval};
 use crate::table::RunRecord;
 use wildfire_base::document::number::{rounded, two_digits};
@@ -21,8 +21,8 @@ use wildfire_base::document::number::{rounded, two_digits};
 pub const FIRST_LOOK: u64 = 20;
 pub const STEP: u64 = 10;
 
-/// The most variants that a rule compares, each pair by its own share of the error.
-const MAX_VARIANTS: usize = 100;
+/// The most pairs of variants that a rule compares, each by its own share of the error.
+const MAX_PAIRS: usize = 5000;
 
 /// The most estimates that are listed.
 const MAX_LISTED: usize = 30;
@@ -30,10 +30,11 @@ const MAX_LISTED: usize = 30;
 /// The seeds of which a batch with a rule plays the first, unless others are given.
 pub const USUAL_MAX_SEEDS: &str = "1..1000";
 
-/// What is to be known before a batch stops, as people write it: `decided`, or `saved=0.5`.
+/// What is to be known before a batch stops, as people write it: `decided`, `groups` or `saved=0.5`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Until {
     Decided,
+    Groups,
     Within { metric: String, half_width: f64 },
 }
 
@@ -41,7 +42,7 @@ pub enum Until {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StopRequest {
     pub until: Until,
-    /// The metric of [`Until::Decided`], if it is not the usual one.
+    /// The metric, if it is not the usual one and `until` names none.
     pub metric: Option<String>,
     /// The margin within which variants are as good as equal, in the unit of the metric.
     pub equivalent: Option<f64>,
@@ -52,12 +53,16 @@ pub struct StopRequest {
 pub enum StopError {
     #[error(transparent)]
     Metric(#[from] ComparisonError),
-    #[error("`until` is `decided`, which compares variants, and there is one")]
-    OneVariant,
-    #[error("a metric or a margin belongs to `decided`; expected none beside METRIC=HALF-WIDTH")]
+    #[error("`until` is `{until}`, which compares variants, and there is one")]
+    OneVariant { until: &'static str },
+    #[error("a metric or a margin belongs to `decided` and `groups`; expected none beside METRIC=HALF-WIDTH")]
     NotDecided,
-    #[error("there are {count} variants to compare; a rule compares at most {MAX_VARIANTS}")]
+    #[error("nothing says whether more or less of `{metric}` is better; expected a metric of the contest, such as saved")]
+    WhichIsBetter { metric: String },
+    #[error("there are {count} variants; a rule is for at most {MAX_COMPARED}")]
     TooMany { count: usize },
+    #[error("there are {count} pairs of variants to compare; a rule compares at most {MAX_PAIRS}")]
+    TooManyPairs { count: usize },
     #[error("the margin is {margin}; expected a number above zero, in the unit of the metric")]
     Margin { margin: f64 },
 }
@@ -66,7 +71,7 @@ impl StopError {
     /// Returns what would help.
     pub fn help(&self) -> Option<&'static str> {
         let of_one = "several planners, or a list for a key; of one variant the mean can be known: --until saved=0.5";
-        matches!(self, Self::OneVariant).then_some(of_one)
+        matches!(self, Self::OneVariant { .. }).then_some(of_one)
     }
 }
 
@@ -74,9 +79,11 @@ impl FromStr for Until {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        let expected = "expected `decided`, or a metric and the half-width of its interval, such as `saved=0.5`";
+        let expected =
+            "expected `decided`, `groups`, or a metric and the half-width of its interval, such as `saved=0.5`";
         match word.split_once('=') {
             None if word == "decided" => Ok(Self::Decided),
+            None if word == "groups" => Ok(Self::Groups),
             None => Err(expected.into()),
             Some((metric, number)) => {
                 let half_width =
@@ -94,26 +101,37 @@ impl StopRequest {
     /// # Errors
     /// If the metric is unknown or a measured time, or if nothing can be decided.
     pub fn rule(&self, plan: &BatchPlan) -> Result<StoppingRule, StopError> {
+        let margin = self.equivalent.unwrap_or(0.0);
+        let usual = self.metric.as_deref().unwrap_or(USUAL_METRIC);
         let (metric, goal) = match &self.until {
-            Until::Decided if plan.variants.len() == 1 => return Err(StopError::OneVariant),
-            _ if plan.variants.len() > MAX_VARIANTS => return Err(StopError::TooMany { count: plan.variants.len() }),
-            Until::Decided => {
-                let margin = self.equivalent.unwrap_or(0.0);
-                (self.metric.as_deref().unwrap_or(USUAL_METRIC), StoppingGoal::Decided { margin })
-            }
+            Until::Decided if plan.variants.len() == 1 => return Err(StopError::OneVariant { until: "decided" }),
+            Until::Groups if plan.variants.len() == 1 => return Err(StopError::OneVariant { until: "groups" }),
+            _ if plan.variants.len() > MAX_COMPARED => return Err(StopError::TooMany { count: plan.variants.len() }),
+            Until::Decided => (usual, StoppingGoal::Decided { margin }),
+            Until::Groups => (usual, StoppingGoal::Groups { margin }),
             Until::Within { .. } if self.metric.is_some() || self.equivalent.is_some() => {
                 return Err(StopError::NotDecided);
             }
             Until::Within { metric, half_width } => (metric.as_str(), StoppingGoal::Within { half_width: *half_width }),
         };
+        let metric = Metric::of_outcomes(metric)?;
+        let has_direction = metric.about.better.is_some();
+        let metric = metric.name.into_owned();
+        let rule = StoppingRule { metric, goal, max_seeds: plan.seeds.clone(), played: Vec::new() };
         match goal {
-            StoppingGoal::Decided { margin } if !goal.is_valid() => Err(StopError::Margin { margin }),
+            _ if !goal.is_valid() => Err(StopError::Margin { margin }),
+            StoppingGoal::Groups { .. } if !has_direction => Err(StopError::WhichIsBetter { metric: rule.metric }),
+            StoppingGoal::Groups { .. } => Ok(rule),
             _ => {
-                let metric = Metric::of_outcomes(metric)?.name.into_owned();
-                Ok(StoppingRule { metric, goal, max_seeds: plan.seeds.clone() })
+                let count = rule.estimates(&swept(plan)).len();
+                if count > MAX_PAIRS { Err(StopError::TooManyPairs { count }) } else { Ok(rule) }
             }
         }
     }
+}
+
+fn swept(plan: &BatchPlan) -> Vec<&[Value]> {
+    plan.variants.iter().map(|variant| &variant.swept[..]).collect()
 }
 
 /// What is known after so many seeds.
@@ -134,18 +152,14 @@ pub struct PlayedBatch {
 /// What is known of one question.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceEstimate {
-    /// Two variants by their places in the plan, the difference of the second from the first; or one, its mean.
     pub of: EstimateOf,
+    pub seeds: u64,
     pub mean: f64,
     pub interval: Option<Interval>,
     /// True if the rule asks for no more.
     pub is_settled: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EstimateOf {
-    Variant(usize),
-    Pair(VariantPair),
+    /// True if the rule has dropped the second variant, which is known to be worse than the best one.
+    pub is_worse: bool,
 }
 
 impl Look {
@@ -159,21 +173,43 @@ impl Look {
         let Some(StoppingRule { metric, .. }) = &plan.until else { return Vec::new() };
         let more = self.estimates.len().saturating_sub(MAX_LISTED);
         let more = (more > 0).then(|| format!("and {more} more; `wildfire compare` lists them"));
+        let entries = plan.entries();
+        let is_about_entries = matches!(plan.until.as_ref().map(|rule| rule.goal), Some(StoppingGoal::Groups { .. }));
+        let title = |variant: usize| {
+            let of_entry = entries.iter().find(|variants| is_about_entries && variants[0] == variant);
+            let variants = of_entry.map_or_else(|| vec![variant], Vec::clone);
+            plan.title_of_all(&variants.iter().map(|&variant| &plan.variants[variant]).collect::<Vec<_>>())
+        };
         let estimates = self.estimates.iter().take(MAX_LISTED).map(|estimate| {
             let what = match estimate.of {
-                EstimateOf::Variant(variant) => format!("{metric}, {}", plan.title(&plan.variants[variant])),
-                EstimateOf::Pair(VariantPair { first, second }) => {
-                    let [first, second] = [first, second].map(|it| plan.title(&plan.variants[it]));
-                    format!("{metric}, {second} minus {first}")
-                }
+                EstimateOf::Variant(variant) => title(variant),
+                EstimateOf::Pair(VariantPair { first, second }) => format!("{} minus {}", title(second), title(first)),
             };
-            format!("{what}: {}", estimate.amount())
+            let after = if estimate.seeds < self.seeds { format!(", after {} seeds", estimate.seeds) } else { String::new() };
+            format!("{metric}, {what}: {}{after}", estimate.amount())
         });
         let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables are for a number \
                     that was fixed before.";
         let open = self.estimates.iter().filter(|estimate| !estimate.is_settled).count();
         let unsettled = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.estimates.len()));
-        estimates.chain(more).chain(unsettled).chain([note.to_owned()]).collect()
+        let best = self.best(plan).map(|best| {
+            let titles: Vec<String> = best.into_iter().map(title).collect();
+            format!("The best, and those not known to be worse: {}.", titles.join("; "))
+        });
+        best.into_iter().chain(estimates).chain(more).chain(unsettled).chain([note.to_owned()]).collect()
+    }
+
+    /// Returns the best variant and all that are not known to be worse, if the rule asks for these.
+    fn best(&self, plan: &BatchPlan) -> Option<Vec<usize>> {
+        plan.until.as_ref().filter(|rule| matches!(rule.goal, StoppingGoal::Groups { .. }))?;
+        let mut best: Vec<usize> = Vec::new();
+        for estimate in &self.estimates {
+            let EstimateOf::Pair(VariantPair { first, second }) = estimate.of else { continue };
+            best.extend(Some(first).filter(|first| !best.contains(first)));
+            best.extend(Some(second).filter(|_| !estimate.is_worse));
+        }
+        best.sort_unstable();
+        Some(best)
     }
 
     /// Returns the widest interval in a few words, for a line of progress.
@@ -203,51 +239,134 @@ impl SequenceEstimate {
 struct Monitor {
     rule: StoppingRule,
     metric: Metric,
-    pairs: Vec<VariantPair>,
+    /// What is estimated, but for rules about the best.
+    estimates: Vec<EstimateOf>,
+    /// The variants of each entry, of which a rule about the best drops some.
+    entries: Vec<Vec<usize>>,
+    /// The error of each estimate.
+    alpha: f64,
     /// By variant and seed, in the order of the plan; NaN of runs without a value.
     values: Vec<Vec<f64>>,
+    /// Whether a variant plays on.
+    is_active: Vec<bool>,
 }
 
 impl Monitor {
     fn new(rule: StoppingRule, plan: &BatchPlan) -> Self {
-        let values = vec![Vec::new(); plan.variants.len()];
-        Self { metric: Metric::from_name(&rule.metric), rule, pairs: pairs(plan), values }
+        let entries = plan.entries();
+        let (estimates, questions) = match rule.goal {
+            StoppingGoal::Groups { .. } => (Vec::new(), entries.len() - 1),
+            _ => (rule.estimates(&swept(plan)), rule.question_count(&swept(plan))),
+        };
+        Self {
+            metric: Metric::from_name(&rule.metric),
+            estimates,
+            entries,
+            alpha: StoppingRule::error_of_each(questions),
+            values: vec![Vec::new(); plan.variants.len()],
+            is_active: vec![true; plan.variants.len()],
+            rule,
+        }
     }
 
-    fn look(&self) -> Look {
-        let of_pairs = self.pairs.iter().copied().map(EstimateOf::Pair);
-        let questions: Vec<EstimateOf> =
-            if self.pairs.is_empty() { vec![EstimateOf::Variant(0)] } else { of_pairs.collect() };
-        let alpha = StoppingRule::error_of_each(questions.len());
-        let estimates = questions.into_iter().map(|of| self.estimate(of, alpha)).collect();
-        Look { seeds: self.values[0].len() as u64, estimates }
-    }
-
-    fn estimate(&self, of: EstimateOf, alpha: f64) -> SequenceEstimate {
-        let values = match of {
-            EstimateOf::Variant(variant) => self.values[variant].clone(),
-            EstimateOf::Pair(VariantPair { first, second }) => {
-                self.values[first].iter().zip(&self.values[second]).map(|(first, second)| second - first).collect()
+    /// Looks at what is known, and lets variants stop of which nothing more is asked.
+    fn look(&mut self) -> Look {
+        let seeds = self.values.iter().map(Vec::len).max().unwrap_or(0) as u64;
+        let estimates = match self.rule.goal {
+            StoppingGoal::Groups { margin } => self.look_at_groups(margin),
+            _ => {
+                let estimates: Vec<_> = self.estimates.iter().map(|&of| self.estimate(of, &self.values)).collect();
+                self.is_active.fill(false);
+                for estimate in estimates.iter().filter(|estimate| !estimate.is_settled) {
+                    match estimate.of {
+                        EstimateOf::Variant(variant) => self.is_active[variant] = true,
+                        EstimateOf::Pair(VariantPair { first, second }) => {
+                            self.is_active[first] = true;
+                            self.is_active[second] = true;
+                        }
+                    }
+                }
+                estimates
             }
         };
+        Look { seeds, estimates }
+    }
+
+    /// Compares all entries with the best one of those that play on, and drops those that are known to be worse. Of an entry
+    /// its first variant stands for all.
+    fn look_at_groups(&mut self, margin: f64) -> Vec<SequenceEstimate> {
+        let better = self.metric.about.better.expect("rules about the best have metrics with a better side");
+        let values = self.values_of_entries(better);
+        let firsts: Vec<usize> = self.entries.iter().map(|variants| variants[0]).collect();
+        let active = firsts.iter().copied().filter(|&first| self.is_active[first]);
+        let means: Vec<f64> = values.iter().map(|values| Series::from_values(values).mean().unwrap_or(0.0)).collect();
+        let best = active.min_by(|&one, &other| better.best_first(means[one], means[other])).expect("one is the best");
+        let others = firsts.into_iter().filter(|&first| first != best);
+        let mut estimates: Vec<_> = others
+            .map(|second| self.estimate(EstimateOf::Pair(VariantPair { first: best, second }), &values))
+            .collect();
+        for estimate in &mut estimates {
+            let EstimateOf::Pair(VariantPair { second, .. }) = estimate.of else { unreachable!("these are pairs") };
+            let is_close = |it: Interval| margin > 0.0 && -margin <= it.low && it.high <= margin;
+            // An entry that is as good as the best plays on with it, since the best one may change.
+            if estimate.is_settled && !estimate.interval.is_some_and(is_close) {
+                let variants = self.entries.iter().find(|variants| variants[0] == second).expect("it is an entry's");
+                variants.iter().for_each(|&variant| self.is_active[variant] = false);
+            }
+            estimate.is_worse = !self.is_active[second];
+            estimate.is_settled |= estimate.is_worse;
+        }
+        if estimates.iter().all(|estimate| estimate.is_settled) {
+            self.is_active.fill(false);
+        }
+        estimates
+    }
+
+    /// Returns the means over the variants of each entry, seed by seed, at the place of its first variant. The worst of all
+    /// values stands for those that are missing, as in rankings.
+    fn values_of_entries(&self, better: Better) -> Vec<Vec<f64>> {
+        let finite = self.values.iter().flatten().copied().filter(|value| !value.is_nan());
+        let worst = finite.fold(0.0, if better == Better::Higher { f64::min } else { f64::max });
+        let mut of_entries = vec![Vec::new(); self.values.len()];
+        for variants in &self.entries {
+            let seeds = 0..self.values[variants[0]].len();
+            of_entries[variants[0]] = seeds
+                .map(|seed| {
+                    let values = variants.iter().map(|&variant| self.values[variant][seed]);
+                    values.map(|value| if value.is_nan() { worst } else { value }).sum::<f64>() / variants.len() as f64
+                })
+                .collect();
+        }
+        of_entries
+    }
+
+    fn estimate(&self, of: EstimateOf, values: &[Vec<f64>]) -> SequenceEstimate {
+        let values: Vec<f64> = match of {
+            EstimateOf::Variant(variant) => values[variant].clone(),
+            EstimateOf::Pair(VariantPair { first, second }) => {
+                values[first].iter().zip(&values[second]).map(|(first, second)| second - first).collect()
+            }
+        };
+        let seeds = values.len() as u64;
         let values: Vec<f64> = values.into_iter().filter(|value| !value.is_nan()).collect();
         let series = Series::from_values(&values);
-        let interval = sequence_interval(&series, alpha);
+        let interval = sequence_interval(&series, self.alpha);
         let is_early = first_look(&values).is_none_or(|first| values.len() < first);
         let is_settled = !is_early
             && interval.is_some_and(|interval| match self.rule.goal {
-                StoppingGoal::Decided { margin } => {
+                StoppingGoal::Decided { margin } | StoppingGoal::Groups { margin } => {
                     let Interval { low, high } = interval;
                     interval.excludes_zero() || margin > 0.0 && -margin <= low && high <= margin
                 }
                 StoppingGoal::Within { half_width } => interval.high - interval.low <= 2.0 * half_width,
             });
-        SequenceEstimate { of, mean: series.mean().unwrap_or(f64::NAN), interval, is_settled }
+        let mean = series.mean().unwrap_or(f64::NAN);
+        SequenceEstimate { of, seeds, mean, interval, is_settled, is_worse: false }
     }
-}
 
-fn pairs(plan: &BatchPlan) -> Vec<VariantPair> {
-    StoppingRule::pairs(&plan.variants.iter().map(|variant| &variant.swept[..]).collect::<Vec<_>>())
+    fn played(&self) -> Vec<u64> {
+        self.values.iter().map(|values| values.len() as u64).collect()
+    }
 }
 
 impl Batch {
@@ -270,15 +389,22 @@ impl Batch {
         };
         let run = Arc::from(run);
         let max_seeds = self.plan().seeds.count();
+        let shared_plan = Arc::new(self.plan().clone());
         let mut monitor = Monitor::new(rule, self.plan());
         let mut played = 0;
         loop {
             let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(max_seeds);
-            self.run_some(move |run| (run - 1) % max_seeds < seeds, &run, jobs, stop, &mut on_run)?;
+            let plan = Arc::clone(&shared_plan);
+            let is_active = monitor.is_active.clone();
+            let is_wanted = move |run: u64| {
+                let RunPlace { variant, seed } = plan.place(run);
+                is_active[variant] && seed < seeds
+            };
+            self.run_some(is_wanted, &run, jobs, stop, &mut on_run)?;
             let mut rows = self.rows()?;
-            for (variant, values) in (0..).zip(&mut monitor.values) {
-                for place in played..seeds {
-                    let row = rows.row(variant * max_seeds + place + 1)?;
+            for (variant, values) in monitor.values.iter_mut().enumerate().filter(|&(it, _)| monitor.is_active[it]) {
+                for seed in played..seeds.min(self.plan().seeds_of(variant)) {
+                    let row = rows.row(self.plan().number(RunPlace { variant, seed }))?;
                     values.push(monitor.metric.value(&RunRecord::from_row(&row)).unwrap_or(f64::NAN));
                 }
             }
@@ -286,7 +412,8 @@ impl Batch {
             let look = monitor.look();
             on_look(&look);
             if look.is_over() || played == max_seeds {
-                let batch = if played < max_seeds { self.shorten(played)? } else { self };
+                let played = monitor.played();
+                let batch = if played == self.plan().played() { self } else { self.shorten(&played)? };
                 return Ok(PlayedBatch { batch, look: Some(look) });
             }
         }

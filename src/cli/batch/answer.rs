@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use wildfire_base::document::{Block, Document};
 use wildfire_batch::execute::{Machine, OutputFolder};
-use wildfire_batch::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Record, shell_word};
+use wildfire_batch::plan::{BatchPlan, COMMIT, COMPILER, PROGRAM_VERSION, Record, RunPlace, shell_word};
 use wildfire_batch::report::{BatchReport, Tally, VariantReport, WrittenReport};
 use wildfire_batch::stats::{Interval, Series};
 use wildfire_batch::stopping::Look;
@@ -142,8 +142,8 @@ fn page_command(plan: &BatchPlan, path: &str, report: &BatchReport) -> Option<St
     let (variant, seed) = finished.find_map(|(index, variant)| Some((index, variant.first_done?)))?;
     if variant > 0 {
         // Commands on a batch show its first variant, so a run of another one is simulated.
-        let place = plan.seeds.iter().position(|other| other == seed)? as u64;
-        let run = plan.run(variant as u64 * plan.seeds.count() + place + 1);
+        let place = RunPlace { variant, seed: plan.seeds.iter().position(|other| other == seed)? as u64 };
+        let run = plan.run(plan.number(place));
         return Some(format!("wildfire render {} --page seed-{seed}.html", run.repeating_args()));
     }
     // A run that was not recorded is simulated again.

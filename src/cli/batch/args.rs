@@ -31,6 +31,7 @@ Examples:
   wildfire batch --planner prm-rs,hybrid-astar --until decided
   wildfire batch --resume runs/contest
   wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
+  wildfire batch --rules official.toml --agent *.toml --until groups --out runs/course
   wildfire batch plan.toml --shard 2/5 --out runs/cluster
   wildfire batch plan.toml --array-env SGE_TASK_ID --slices 40 --out runs/cluster
   wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
@@ -65,20 +66,20 @@ pub struct BatchArguments {
     /// [default: 1..5].
     #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
-    /// Stop when this is known: `decided`, which of two variants has more of the metric, for each pair; or
-    /// `METRIC=HALF-WIDTH`, the difference of each pair, or the mean of an only variant. Looks at 20, 30, 40 ... seeds;
-    /// --seeds are the most [default: 1..1000].
+    /// Stop when this is known: `decided`, which of two variants has more of the metric, for each pair; `groups`, which
+    /// entries are the best, while those that are worse are dropped; or `METRIC=HALF-WIDTH`, the difference of each pair,
+    /// or the mean of each variant. Looks at 20, 30, 40 ... seeds; --seeds are the most [default: 1..1000].
     #[arg(
         long,
         value_name = "WHAT",
         value_parser = Until::from_str,
-        conflicts_with_all = ["resume", "rules", "slice", "slurm"]
+        conflicts_with_all = ["resume", "slice", "slurm"]
     )]
     pub until: Option<Until>,
-    /// The metric of `--until decided` [default: saved].
+    /// The metric of `--until decided` and `groups` [default: saved].
     #[arg(long, value_name = "NAME", requires = "until")]
     pub metric: Option<String>,
-    /// With `--until decided`: a pair is also decided once it is known to differ by less than this.
+    /// With `--until decided` and `groups`: a pair is also decided once it is known to differ by less than this.
     #[arg(long, value_name = "MARGIN", requires = "until", value_parser = parse_margin)]
     pub equivalent: Option<f64>,
     /// Number of threads [default: SLURM_CPUS_PER_TASK in a Slurm task, else the number of processors].
@@ -118,13 +119,16 @@ pub struct BatchArguments {
     /// Run only slice K of N of the plan, in a folder that all slices share; `wildfire merge` merges them.
     #[arg(long, value_name = "K/N", requires = "shared_folder", group = "slice")]
     pub shard: Option<Slice>,
-    /// Run the slice of an array job's task: the variable in which the scheduler passes the number of the task, from 1,
-    /// such as SLURM_ARRAY_TASK_ID, PBS_ARRAY_INDEX, SGE_TASK_ID or LSB_JOBINDEX.
+    /// Run the slice of an array job's task: the variable in which the scheduler passes the number of the task, such as
+    /// SLURM_ARRAY_TASK_ID, PBS_ARRAY_INDEX, SGE_TASK_ID or LSB_JOBINDEX.
     #[arg(long, value_name = "VARIABLE", requires_all = ["shared_folder", "slices"], group = "slice")]
     pub array_env: Option<String>,
     /// The number of tasks of the array: one for each slice.
     #[arg(long, value_name = "N", requires = "array_env", value_parser = parse_slices)]
     pub slices: Option<u64>,
+    /// The number of the array's first task: 0 for JOB_COMPLETION_INDEX of Kubernetes and AWS_BATCH_JOB_ARRAY_INDEX.
+    #[arg(long, value_name = "N", default_value = "1", requires = "array_env", value_parser = parse_first)]
+    pub first: u64,
     #[command(flatten)]
     pub keeping: KeepingArguments,
     #[command(flatten)]
@@ -143,11 +147,13 @@ impl BatchArguments {
             return Ok(self.shard.unwrap_or(Slice::WHOLE));
         };
         let value = env::var_os(variable);
-        let number = value.as_ref().and_then(|value| value.to_str()?.parse().ok());
-        number.and_then(|number| Slice::new(number, slices)).ok_or_else(|| {
+        let number = value.as_ref().and_then(|value| value.to_str()?.parse::<u64>().ok());
+        let place = number.and_then(|number| number.checked_sub(self.first)?.checked_add(1));
+        place.and_then(|place| Slice::new(place, slices)).ok_or_else(|| {
             let found = value.map_or("not set".into(), |value| format!("`{}`", value.display()));
-            let help = format!("the scheduler sets it in tasks of an array; number them from 1 to {slices}");
-            let sentence = format!("{variable} is {found}; expected the number of a task, from 1 to {slices}");
+            let tasks = format!("from {} to {}", self.first, self.first + slices - 1);
+            let help = format!("the scheduler sets it in tasks of an array; number them {tasks}, or see --first");
+            let sentence = format!("{variable} is {found}; expected the number of a task, {tasks}");
             CliError::bad_input(sentence, Some(&help))
         })
     }
@@ -214,6 +220,10 @@ pub struct SlurmArguments {
 
 fn parse_slices(text: &str) -> Result<u64, String> {
     numbers::parse_within(text, &(1..=MAX_SLICES), "a whole number")
+}
+
+fn parse_first(text: &str) -> Result<u64, String> {
+    numbers::parse_within(text, &(0..=MAX_SLICES), "a whole number")
 }
 
 fn parse_minutes(text: &str) -> Result<f64, String> {

@@ -67,7 +67,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
                     let course = plan_of_course(arguments, rules)?;
                     course.left_out.iter().for_each(|fault| terminal::note(&format!("skipped: {fault}")));
                     left_out = course.left_out.len() as u64;
-                    course.plan
+                    with_rule(arguments, course.plan)?
                 }
                 None => match frozen_plan(arguments)? {
                     Some(plan) => {
@@ -187,7 +187,11 @@ fn plan(arguments: &BatchArguments, context: &CommandContext) -> Result<BatchPla
     }
     request.record = arguments.record.or(request.record);
     request.memory = arguments.memory.or(request.memory);
-    let plan = request.resolve(arguments.force)?;
+    with_rule(arguments, request.resolve(arguments.force)?)
+}
+
+/// Adds the stopping rule, if one is asked for.
+fn with_rule(arguments: &BatchArguments, plan: BatchPlan) -> Result<BatchPlan, CliError> {
     let until = arguments.stop_request().map(|request| request.rule(&plan)).transpose();
     let until = until.map_err(|error| CliError::bad_input(&error, error.help()))?;
     Ok(BatchPlan { until, ..plan })

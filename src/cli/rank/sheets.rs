@@ -34,7 +34,7 @@ fn sheet(ranking: &Ranking, place: usize, entry: &RankedEntry) -> Document {
     let metric = visible_start(&ranking.metric.name);
     let digits = decimals(ranking);
     let title = format!("{}: rank {} of {}", visible_start(&entry.name), ranks(entry.ranks), ranking.entries.len());
-    let mut lines = vec![format!("Mean {metric} over {}: {}", count(ranking.runs, "run"), rounded(entry.mean, digits))];
+    let mut lines = vec![format!("Mean {metric} over {}: {}", count(entry.runs, "run"), rounded(entry.mean, digits))];
     if let Some(contrast) = ranking.pair(0, place).map(|pair| &pair.contrast) {
         let interval = contrast.interval.map(|it| (rounded(it.low, digits), rounded(it.high, digits)));
         let interval = interval.map_or_else(String::new, |(low, high)| format!(" (95 % interval: {low} to {high})"));

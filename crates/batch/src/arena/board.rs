@@ -11,7 +11,7 @@ use super::card::data_card;
 use super::entry::class_of;
 use super::row::MAX_BYTES;
 use super::{ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Class, TRACKS, Track, rows_hash};
-use crate::comparison::{RankInput, RankedEntry, Ranking, ranked};
+use crate::comparison::{Order, RankInput, RankedEntry, Ranking, RunCounts, RunKey, ranked};
 use crate::plan::{COMMIT, EntryCard, PROGRAM_VERSION, Seeds};
 use crate::stats::{Interval, Series};
 use crate::table::Better;
@@ -382,19 +382,21 @@ impl TrackBoard {
         let metric = track.metric();
         let decisive: Vec<Vec<(u64, usize, f64)>> =
             found.iter().map(|(entry, rows)| entry.decisive(track, rows)).collect();
-        let runs: Vec<(u64, usize)> = decisive[0].iter().map(|&(seed, stratum, _)| (seed, stratum)).collect();
-        let strata = runs.iter().map(|(_, stratum)| stratum + 1).max().unwrap_or(1);
+        let runs: Vec<RunKey> = decisive[0].iter().map(|&(seed, stratum, _)| RunKey { seed, stratum }).collect();
+        let strata = runs.iter().map(|run| run.stratum + 1).max().unwrap_or(1);
         let contenders = found.iter().zip(&decisive).map(|((entry, rows), decisive)| RankInput {
             entry: RankedEntry {
                 name: entry.card.name.clone(),
+                runs: rows.len(),
                 failed: rows.iter().filter(|row| row.score.is_none()).count(),
                 ..RankedEntry::default()
             },
             numbers: decisive.iter().map(|it| it.2).collect(),
         });
         let by = (strata > 1).then(|| crate::plan::CONDITION_COLUMN.to_owned());
-        let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), &metric, track.better);
-        let seeds: BTreeSet<u64> = runs.iter().map(|(seed, _)| *seed).collect();
+        let order = Order { metric: &metric, better: track.better, counts: RunCounts::Fixed };
+        let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), order);
+        let seeds: BTreeSet<u64> = runs.iter().map(|run| run.seed).collect();
         let ranking = Ranking {
             better: track.better,
             runs: runs.len(),
@@ -402,6 +404,7 @@ impl TrackBoard {
             columns: by.into_iter().collect(),
             strata,
             worst: None,
+            stop: None,
             entries,
             pairs,
             metric,
@@ -450,7 +453,7 @@ fn entry(board: &TrackBoard, place: usize) -> impl Serialize {
             interval: pair.contrast.interval,
             p_adjusted: pair.p_adjusted,
             #[serde(rename = "told_apart")]
-            significant: pair.is_significant(),
+            significant: pair.is_significant,
         })
     });
     let conditions = entry.by_condition.iter();

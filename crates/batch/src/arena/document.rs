@@ -80,7 +80,7 @@ fn ranks_table(board: &TrackBoard) -> Table {
         cells.push(optional(reach, decimals));
         cells.push(optional(next.map(|pair| pair.contrast.difference), decimals));
         cells.extend(ends(next.and_then(|pair| pair.contrast.interval), decimals));
-        cells.push(next.map_or("-".into(), |pair| probability(pair.p_adjusted)));
+        cells.push(next.and_then(|pair| pair.p_adjusted).map_or("-".into(), probability));
         cells.push(rounded(entry.effort, 0));
         cells
     });
@@ -94,7 +94,7 @@ fn chart(board: &TrackBoard) -> Block {
     let decimals = decimals(ranking);
     let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
         let pair = ranking.pair(0, place)?;
-        Some(pair.contrast.forest_row(entry.name.clone(), decimals, pair.is_significant()))
+        Some(pair.contrast.forest_row(entry.name.clone(), decimals, pair.is_significant))
     });
     let titles = Titles {
         title: format!("Difference from {}, 95 % intervals", ranking.entries[0].name),

@@ -86,8 +86,7 @@ pub fn judge_batch(
     for run in batch.runs() {
         let report = selection.judge(&run.variant.scenario, run.seed, options, |_| {})?;
         add(&mut file, &run, &report)?;
-        let variant = ((run.number - 1) / plan.seeds.count()) as usize;
-        let tally = &mut tallies[variant];
+        let tally = &mut tallies[plan.place(run.number).variant];
         tally.runs += 1;
         tally.decisions += report.worths.len() as u64;
         tally.mistakes += report.mistakes().len() as u64;

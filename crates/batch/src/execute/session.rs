@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::execute::entries::JOURNAL;
-use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, write_journal};
+use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, seeds_of_journal, write_journal};
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, run_all};
 use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, write_whole};
@@ -196,7 +196,7 @@ impl Batch {
     /// As [`Self::run`].
     pub(crate) fn run_some(
         &mut self,
-        is_wanted: impl Fn(u64) -> bool + Copy + Send + 'static,
+        is_wanted: impl Fn(u64) -> bool + Clone + Send + 'static,
         run: &Arc<RunScenario>,
         jobs: usize,
         stop: &Arc<AtomicBool>,
@@ -204,7 +204,7 @@ impl Batch {
     ) -> Result<(), BatchError> {
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
         // A process with nothing to do is no machine that took part.
-        if !lost.is_empty() || self.journal.index().missing(is_wanted).next().is_some() {
+        if !lost.is_empty() || self.journal.index().missing(is_wanted.clone()).next().is_some() {
             match note_machine(&self.folder, self.journal.index().slice(), jobs, self.disk.as_ref()) {
                 // Of a folder that is gone, the journal says it better.
                 Err(BatchError::Unwritable { source, .. }) if source.kind() == ErrorKind::NotFound => {}
@@ -212,7 +212,7 @@ impl Batch {
             }
         }
         // Entries of a course take turns, so that all of them meet the machine equally busy.
-        let in_turn = in_turn(&self.plan, self.journal.index().missing(is_wanted));
+        let in_turn = in_turn(&self.plan, self.journal.index().missing(is_wanted.clone()));
         let work = Work {
             plan: Arc::clone(&self.plan),
             folder: self.folder.clone(),
@@ -236,13 +236,13 @@ impl Batch {
         Ok(())
     }
 
-    /// Ends a whole batch after its first seeds, all of whose runs are in the journal: plan, journal and recordings become
-    /// those of a batch of these seeds. What a crash leaves of it, resuming completes.
-    pub(crate) fn shorten(self, seeds: u64) -> Result<Self, BatchError> {
-        let plan = self.plan.shortened(seeds);
+    /// Ends a whole batch after so many seeds of each variant, all of whose runs are in the journal: plan, journal and
+    /// recordings become those of a batch of these runs. What a crash leaves of it, resuming completes.
+    pub(crate) fn shorten(self, played: &[u64]) -> Result<Self, BatchError> {
+        let plan = self.plan.shortened(played);
         let rows = &mut self.rows()?;
         let renumbered = plan.runs().map(|run| {
-            let mut row = rows.row(plan.number_among(&self.plan, &run))?;
+            let mut row = rows.row(self.plan.number(plan.place(run.number)))?;
             row.label.run = run.number;
             Ok(row)
         });
@@ -250,7 +250,7 @@ impl Batch {
         write_plan(&plan, &self.folder, PLAN_FILE, self.disk())?;
         // From the first on, so that no name is taken that a later one still has.
         for run in plan.runs().filter(|_| plan.record != Record::None) {
-            let before = self.plan.run(plan.number_among(&self.plan, &run));
+            let before = self.plan.run(self.plan.number(plan.place(run.number)));
             let [from, to] =
                 [self.plan.recording_name(&before), plan.recording_name(&run)].map(|it| self.folder.recording(&it));
             if from != to && from.exists() {
@@ -290,9 +290,8 @@ fn in_turn(
     if !plan.swept_keys.iter().any(|key| key == ENTRY_COLUMN) {
         return Box::new(missing);
     }
-    let seeds = plan.seeds.count();
     let mut runs: Vec<u64> = missing.collect();
-    runs.sort_by_key(|run| ((run - 1) % seeds, *run));
+    runs.sort_by_key(|run| (plan.place(*run).seed, *run));
     Box::new(runs.into_iter())
 }
 
@@ -333,11 +332,21 @@ fn lost_recordings(
 /// Returns the plan, or that of the first seeds if the journal is already theirs: the process was stopped after it had
 /// written the journal and before it wrote the plan, which is made up for.
 fn shortened_as_journal(plan: BatchPlan, folder: &OutputFolder, disk: &dyn Disk) -> Result<BatchPlan, BatchError> {
-    let Some(found) = plan.until.as_ref().and_then(|_| plan_of_journal(&folder.journal(Slice::WHOLE))) else {
+    let path = folder.journal(Slice::WHOLE);
+    let Some(found) = plan.until.as_ref().and_then(|_| plan_of_journal(&path)) else { return Ok(plan) };
+    if found == plan.content_sha256() {
         return Ok(plan);
-    };
-    let shorter = (1..plan.seeds.count()).map(|seeds| plan.shortened(seeds));
-    match shorter.filter(|_| found != plan.content_sha256()).find(|shorter| shorter.content_sha256() == found) {
+    }
+    // A finished journal has the runs in the order of its plan, so that each variant begins with the first seed.
+    let mut played: Vec<u64> = Vec::new();
+    for seed in seeds_of_journal(&path) {
+        if seed == plan.seeds.nth(0) {
+            played.push(0);
+        }
+        played.last_mut().into_iter().for_each(|seeds| *seeds += 1);
+    }
+    let shorter = Some(plan.shortened(&played)).filter(|_| played.len() == plan.variants.len());
+    match shorter.filter(|shorter| shorter.has_seeds_of_rule() && shorter.content_sha256() == found) {
         Some(shorter) => {
             write_plan(&shorter, folder, PLAN_FILE, disk)?;
             Ok(shorter)

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::execute::panics;
 use crate::maps::MapsError;
-use crate::plan::{PlannedRun, Variant, is_same_value, planner_of};
+use crate::plan::{PlannedRun, RunPlace, Variant, is_same_value, planner_of};
 use crate::table::FinishedBatch;
 use wildfire_scenario::Scenario;
 use wildfire_sim::{CustomRegistry, RunOptions};
@@ -76,14 +76,13 @@ impl MapSource {
 
     /// Returns the number of its runs.
     pub fn count(&self) -> u64 {
-        self.batch.plan().seeds.count()
+        self.batch.plan().seeds_of(self.variant)
     }
 
     /// Iterates over its runs in the order of the plan.
     pub fn runs(&self) -> impl Iterator<Item = PlannedRun<'_>> {
-        let seeds = self.count();
-        let before = self.variant as u64 * seeds;
-        (1..=seeds).map(move |number| self.batch.plan().run(before + number))
+        let plan = self.batch.plan();
+        (0..self.count()).map(move |seed| plan.run(plan.number(RunPlace { variant: self.variant, seed })))
     }
 
     /// Returns the run of a seed, or the first one.

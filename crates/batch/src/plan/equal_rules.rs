@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value as Json;
 
-use super::FreeKeys;
+use super::{ENTRY_COLUMN, FreeKeys};
 
 /// Keys in which entries may differ unless more are freed: who plans, who chooses, and how they are set.
 pub const USUALLY_FREE: [&str; 10] = [
@@ -35,6 +35,18 @@ const LIMITS: [&str; 9] = [
     "start_instructions",
     "restarts",
 ];
+
+/// The columns that name an entry whatever was swept.
+pub const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
+
+impl FreeKeys {
+    /// Returns whether the values of a column are an entry's own, where these keys are free.
+    pub fn belongs_to_entry(&self, column: &str) -> bool {
+        COLUMNS_OF_ENTRIES.contains(&column)
+            || self.has_key(column)
+            || column.split('.').next().is_some_and(|first| TABLES_OF_PROGRAMS.contains(&first))
+    }
+}
 
 /// The keys in which entries may differ.
 #[derive(Clone, Debug)]

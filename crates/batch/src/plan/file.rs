@@ -12,6 +12,9 @@
 //! [[sweep]]                               # times the other; these two take their values together
 //! unimog.speed_mps = [6, 10]
 //! wumpus.speed_mps = [1, 2]
+//!
+//! [[sweep]]                               # a column for each key, a row for each variant
+//! from = "design.csv"
 //! ```
 
 use std::path::Path;
@@ -20,6 +23,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::design::{DesignError, read_design};
 use super::request::PlanFileError;
 use super::sweep::SweepError;
 use super::{BatchRequest, Record, RequestError, Seeds, SeedsError, Setting, Sweep};
@@ -46,7 +50,8 @@ struct PlanFile {
     #[serde(default)]
     #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     set: Table,
-    /// Keys with lists of values; keys of one table take their values together, tables are multiplied.
+    /// Keys with lists of values, or `from` with the path of a CSV file that has a column for each key; keys of one table
+    /// take their values together, tables are multiplied.
     #[serde(default)]
     #[schemars(with = "Vec<serde_json::Map<String, serde_json::Value>>")]
     sweep: Vec<Table>,
@@ -92,6 +97,7 @@ enum PlanFileProblem {
     Wrong(String),
     Seeds(SeedsError),
     Sweep(SweepError),
+    Design { path: String, source: DesignError },
 }
 
 impl From<SweepError> for PlanFileProblem {
@@ -107,6 +113,7 @@ impl PlanFileProblem {
             Self::Wrong(reason) => PlanFileError::Wrong { path, reason },
             Self::Seeds(source) => PlanFileError::Seeds { path, source },
             Self::Sweep(source) => PlanFileError::Sweep { path, source },
+            Self::Design { path, source } => PlanFileError::Design { path, source },
         }
     }
 }
@@ -126,7 +133,7 @@ impl PlanFile {
         }
         let seeds = self.seeds.as_ref().map(SeedList::parse).transpose().map_err(PlanFileProblem::Seeds)?;
         let changes = leaves(self.set).into_iter().map(|(key, value)| format!("{key}={value}")).collect();
-        let sweeps = self.sweep.into_iter().map(sweep_of).collect::<Result<_, _>>()?;
+        let sweeps = self.sweep.into_iter().map(|table| sweep_of(table, folder)).collect::<Result<_, _>>()?;
         let scenarios = scenarios.iter().map(|name| located(name, folder)).collect();
         let memory = self.memory.map(|size| size.parse().map_err(|reason| wrong_memory(&size, reason))).transpose()?;
         let mut request =
@@ -155,7 +162,16 @@ pub(super) fn located(name: &str, folder: &Path) -> String {
     if is_built_in { name.to_owned() } else { folder.join(name).to_string_lossy().into_owned() }
 }
 
-fn sweep_of(table: Table) -> Result<Sweep, PlanFileProblem> {
+fn sweep_of(table: Table, folder: &Path) -> Result<Sweep, PlanFileProblem> {
+    if let Some(Value::String(name)) = table.get("from") {
+        if table.len() > 1 {
+            let reason = "a [[sweep]] with `from` has other keys; expected them in the file's columns, or in a [[sweep]]";
+            return Err(PlanFileProblem::Wrong(reason.into()));
+        }
+        let path = folder.join(name);
+        let design = read_design(&path);
+        return design.map_err(|source| PlanFileProblem::Design { path: path.display().to_string(), source });
+    }
     let columns = leaves(table).into_iter().map(|(key, value)| match value {
         Value::Array(values) => Ok((key, values.into_iter().map(Setting::from_toml).collect())),
         other => Err(PlanFileProblem::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
@@ -250,6 +266,8 @@ mod tests {
         assert!(refusal("[[sweep]]\nfield.coverage = 0.1\n").contains("expected a list of values"));
         assert!(refusal("[[sweep]]\nfield.coverage = []\n").contains("`field.coverage` has no values"));
         assert!(refusal("[[sweep]]\n[[sweep]]\na = [1]\n").contains("is empty"));
+        assert!(refusal("[[sweep]]\nfrom = 'missing.csv'\n").contains("missing.csv: cannot be read"));
+        assert!(refusal("[[sweep]]\nfrom = 'design.csv'\na = [1]\n").contains("has other keys"));
         assert!(refusal("[[sweep]]\na = [1, 2]\nb = [1]\n").contains("one has 2 values and the other 1"));
     }
 }

@@ -245,9 +245,7 @@ impl BatchPlan {
         if self.variants.is_empty() {
             return Err(not_a_plan("it has no variants"));
         }
-        if let Some(rule) = &self.until
-            && (!rule.goal.is_valid() || rule.max_seeds.first(self.seeds.count()) != self.seeds)
-        {
+        if !self.until.as_ref().is_none_or(|rule| rule.goal.is_valid()) || !self.has_seeds_of_rule() {
             return Err(not_a_plan("its seeds are not the first of those that its stopping rule allows"));
         }
         for variant in &self.variants {

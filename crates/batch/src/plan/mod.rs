@@ -6,6 +6,7 @@
 //! the variants let it be the same.
 
 mod course;
+mod design;
 mod difference;
 mod equal_rules;
 mod file;
@@ -24,7 +25,9 @@ pub(crate) use course::{AgentFile, Course};
 pub use course::{
     CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest, EntryCard, read_card, rules_schema,
 };
-pub use equal_rules::{FreeParameters, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of};
+pub use equal_rules::{
+    COLUMNS_OF_ENTRIES, FreeParameters, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of,
+};
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};
@@ -35,7 +38,7 @@ pub use request::{BatchRequest, MAX_VARIANTS, RUNS_WITHOUT_FORCE, RequestError};
 pub use seeds::{MAX_RUNS, MAX_SEEDS_BYTES, Seeds, SeedsError, range_text};
 pub use slice::{MAX_SLICES, Slice, SliceError};
 pub use sweep::{Setting, Sweep, SweepError, is_same_value};
-pub use until::{StoppingGoal, StoppingRule, VariantPair};
+pub use until::{EstimateOf, MAX_COMPARED, StoppingGoal, StoppingRule, VariantPair};
 pub use value::Value;
 
 use std::fmt::Write;
@@ -113,6 +116,14 @@ pub struct PlannedRun<'a> {
     pub variant: &'a Variant,
 }
 
+/// Where a run is in a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunPlace {
+    pub variant: usize,
+    /// Which of the variant's seeds, from 0.
+    pub seed: u64,
+}
+
 /// Names a run of a batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunLabel {
@@ -164,15 +175,53 @@ impl BatchPlan {
 
     /// Number of runs.
     pub fn count(&self) -> u64 {
-        self.variants.len() as u64 * self.seeds.count()
+        match self.played_apart() {
+            Some(played) => played.iter().sum(),
+            None => self.variants.len() as u64 * self.seeds.count(),
+        }
+    }
+
+    /// Number of runs of a variant, with as many of the first seeds.
+    pub fn seeds_of(&self, variant: usize) -> u64 {
+        self.played_apart().map_or(self.seeds.count(), |played| played[variant])
+    }
+
+    /// The seeds of each variant, where they differ.
+    fn played_apart(&self) -> Option<&[u64]> {
+        self.until.as_ref().map(|rule| &rule.played[..]).filter(|played| !played.is_empty())
+    }
+
+    /// The place of the run of this number, from 1 to [`Self::count`].
+    pub fn place(&self, number: u64) -> RunPlace {
+        let index = number.checked_sub(1).expect("runs are numbered from 1");
+        let seeds = self.seeds.count();
+        let Some(played) = self.played_apart() else {
+            let variant = usize::try_from(index / seeds).expect("a plan's variants fit into memory");
+            return RunPlace { variant, seed: index % seeds };
+        };
+        let mut seed = index;
+        for (variant, &of_variant) in played.iter().enumerate() {
+            if seed < of_variant {
+                return RunPlace { variant, seed };
+            }
+            seed -= of_variant;
+        }
+        unreachable!("the plan has {} runs, and no run {number}", self.count())
+    }
+
+    /// The number of the run at this place.
+    pub fn number(&self, RunPlace { variant, seed }: RunPlace) -> u64 {
+        let before = match self.played_apart() {
+            Some(played) => played[..variant].iter().sum(),
+            None => variant as u64 * self.seeds.count(),
+        };
+        before + seed + 1
     }
 
     /// The run of this number, from 1 to [`Self::count`].
     pub fn run(&self, number: u64) -> PlannedRun<'_> {
-        let index = number.checked_sub(1).expect("runs are numbered from 1");
-        let seeds = self.seeds.count();
-        let variant = usize::try_from(index / seeds).expect("a plan's variants fit into memory");
-        PlannedRun { number, seed: self.seeds.nth(index % seeds), variant: &self.variants[variant] }
+        let RunPlace { variant, seed } = self.place(number);
+        PlannedRun { number, seed: self.seeds.nth(seed), variant: &self.variants[variant] }
     }
 
     /// All runs in the order of their numbers.
@@ -190,15 +239,27 @@ impl BatchPlan {
 
     /// Names a variant by what differs between variants: scenario, planner if that differs, values that are swept.
     pub fn title(&self, variant: &Variant) -> String {
-        let planner = planner_of(&variant.scenario);
-        let mut title = variant.scenario.name.clone();
+        self.title_of_all(&[variant])
+    }
+
+    /// Names variants by what [`Self::title`] says of all of them.
+    pub fn title_of_all(&self, variants: &[&Variant]) -> String {
+        let [first, others @ ..] = variants else { return String::new() };
+        let planner = planner_of(&first.scenario);
+        let mut parts = Vec::new();
+        if others.iter().all(|other| other.scenario.name == first.scenario.name) {
+            parts.push(first.scenario.name.clone());
+        }
         if self.variants.iter().any(|other| planner_of(&other.scenario) != planner) {
-            write!(title, ", planner {planner}").expect("a string takes any text");
+            parts.push(format!("planner {planner}"));
         }
-        for (key, value) in self.swept_keys.iter().zip(&variant.swept) {
-            write!(title, ", {key} {value}").expect("a string takes any text");
+        for (place, key) in self.swept_keys.iter().enumerate() {
+            let value = &first.swept[place];
+            if others.iter().all(|other| other.swept[place] == *value) {
+                parts.push(format!("{key} {value}"));
+            }
         }
-        title
+        parts.join(", ")
     }
 }
 

@@ -24,6 +24,8 @@ pub struct RecordedPlan {
     /// The keys in which entries of a course might differ.
     pub free: Vec<String>,
     pub until: Option<StoppingRule>,
+    /// By what rule the batch stopped, and when; `None` without a rule, or if another version wrote the plan.
+    pub stop: Option<String>,
     pub swept_keys: Vec<String>,
     pub variants: Vec<RecordedVariant>,
 }
@@ -74,9 +76,11 @@ impl RecordedPlan {
         let head = read_head(&path, &file)?;
         let program_version = head.program_version;
         if head.format == PLAN_FORMAT && program_version == PROGRAM_VERSION {
-            let BatchPlan { swept_keys, variants, memory, free, until, .. } = BatchPlan::read(folder)?;
+            let plan = BatchPlan::read(folder)?;
+            let stop = plan.stop_text();
+            let BatchPlan { swept_keys, variants, memory, free, until, .. } = plan;
             let variants = variants.into_iter().map(RecordedVariant::from).collect();
-            return Ok(Self { program_version, memory, free, until, swept_keys, variants });
+            return Ok(Self { program_version, memory, free, until, stop, swept_keys, variants });
         }
         let bytes = file.metadata().map_err(|source| PlanError::Unreadable { path: path.clone(), source })?.len();
         if bytes > MAX_BYTES_OF_OTHERS {
@@ -86,7 +90,7 @@ impl RecordedPlan {
         }
         let RecordedBody { memory_bytes: memory, free, until, swept_keys, variants } = read_json(&path, &file)?;
         let variants = variants.into_iter().map(RecordedVariant::from).collect();
-        Ok(Self { program_version, memory, free, until, swept_keys, variants })
+        Ok(Self { program_version, memory, free, until, stop: None, swept_keys, variants })
     }
 }
 
@@ -94,7 +98,7 @@ impl RecordedPlan {
     /// Returns the error of each question that the stopping rule asks; `None` without a rule.
     pub fn error_of_rule(&self) -> Option<f64> {
         let swept: Vec<&[Value]> = self.variants.iter().map(|variant| &variant.swept[..]).collect();
-        self.until.as_ref().map(|_| StoppingRule::error_of_each(StoppingRule::pairs(&swept).len()))
+        self.until.as_ref().map(|rule| StoppingRule::error_of_each(rule.question_count(&swept)))
     }
 }
 

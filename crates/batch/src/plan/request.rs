@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sha2::{Digest, Sha256};
 use thiserror::Error;
 
+use super::design::DesignError;
 use super::sweep::{SweepError, check_sweeps, is_several};
 use super::{
     BatchPlan, MAX_CHANGES, MAX_RUNS, MAX_SWEPT_KEYS, PLANNER_KEY, Record, Seeds, SeedsError, Setting, Sweep, Value,
@@ -50,6 +51,8 @@ pub enum PlanFileError {
     Seeds { path: String, source: SeedsError },
     #[error("{path}: {source}")]
     Sweep { path: String, source: SweepError },
+    #[error("{path}: {source}")]
+    Design { path: String, source: DesignError },
 }
 
 /// A reason for which a request makes no plan.

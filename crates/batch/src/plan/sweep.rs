@@ -6,6 +6,8 @@
 //! Values in equal steps may be written as a range, `0.05..0.20:0.05`. They are counted in decimal digits, so that the third
 //! is 0.15 and not the float beside it.
 
+use std::collections::HashSet;
+
 use thiserror::Error;
 
 use super::Value;
@@ -224,9 +226,12 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
             }
             seen.push(key);
         }
-        for (index, step) in sweep.steps.iter().enumerate() {
-            if sweep.steps[..index].contains(step) {
-                return Err(SweepError::Twice { key: sweep.keys[0].clone(), value: step[0].written.clone() });
+        let mut steps = HashSet::new();
+        for step in &sweep.steps {
+            let written: Vec<&str> = step.iter().map(|setting| &setting.written[..]).collect();
+            let value = written.join(", ");
+            if !steps.insert(written) {
+                return Err(SweepError::Twice { key: sweep.keys.join("`, `"), value });
             }
         }
     }

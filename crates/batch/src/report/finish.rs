@@ -139,9 +139,9 @@ fn write_tables(
 
 /// Adds a row of the plan, by its place from 0, to a report that has those before it.
 fn add_row(report: &mut BatchReport, plan: &BatchPlan, place: u64, row: &RecordedRow) {
-    let seeds = plan.seeds.count();
-    if place.is_multiple_of(seeds) {
-        let variant = &plan.variants[(place / seeds) as usize];
+    let place = plan.place(place + 1);
+    if place.seed == 0 {
+        let variant = &plan.variants[place.variant];
         report.variants.push(VariantReport::new(plan.title(variant), &variant.scenario));
     }
     let variant_report = report.variants.last_mut().expect("the first row begins the first");

@@ -22,6 +22,13 @@ Rank: the ranks that an entry may have, given the pairs that differ; all ranges 
 different (Piepho, 2004). Differences are paired by seed; their 95 % intervals, by the method of `wildfire compare`, are \
 not adjusted. p is adjusted by Holm's method over all pairs; pairs with p ≤ 0.05 count as different.";
 
+const STOPPED_LEGEND: &str = "\
+Rank: the ranks that an entry may have, given the pairs that differ. Group: entries that share a letter are not known to \
+differ. A rule stopped the runs when enough was known, so the 95 % intervals are those of a confidence sequence \
+(Waudby-Smith et al., 2024), which hold at every number of seeds, for all pairs together; pairs whose interval excludes \
+zero differ. Differences are paired by seed; the mean of an entry with fewer seeds is that of the best and its difference \
+from it.";
+
 impl From<&Ranking> for Document {
     fn from(ranking: &Ranking) -> Self {
         let better = ranking.better.name();
@@ -35,7 +42,7 @@ impl From<&Ranking> for Document {
             document.add(forest(ranking));
             document.add(pairs(ranking));
             document.add_list(notes(ranking));
-            document.add(Block::Text(LEGEND.into()));
+            document.add(Block::Text(if ranking.stop.is_some() { STOPPED_LEGEND.into() } else { LEGEND.into() }));
         }
         document
     }
@@ -44,7 +51,9 @@ impl From<&Ranking> for Document {
 /// What every entry played.
 fn played(ranking: &Ranking) -> Vec<String> {
     let seeds = visible_start(&ranking.seeds);
-    let mut lines = vec![format!("Each entry: {}, seeds {seeds}", count(ranking.runs, "run"))];
+    let most = if ranking.has_stopped_entries() { "at most " } else { "" };
+    let mut lines = vec![format!("Each entry: {most}{}, seeds {seeds}", count(ranking.runs, "run"))];
+    lines.extend(ranking.stop.as_ref().map(|stop| format!("Stopping rule: {}", visible_start(stop))));
     if ranking.strata > 1 {
         let columns: Vec<String> = ranking.columns.iter().map(|column| visible_start(column)).collect();
         lines.push(format!("Each mean is over {} values of {}", ranking.strata, columns.join(" and ")));
@@ -117,7 +126,7 @@ fn forest(ranking: &Ranking) -> Block {
     let decimals = decimals(ranking);
     let rows = ranking.entries.iter().enumerate().skip(1).filter_map(|(place, entry)| {
         let pair = ranking.pair(0, place)?;
-        Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_significant()))
+        Some(pair.contrast.forest_row(visible_start(&entry.name), decimals, pair.is_significant))
     });
     let symbol = ranking.metric.about.unit.symbol();
     let metric = visible_start(&ranking.metric.name);
@@ -186,10 +195,10 @@ fn pairs(ranking: &Ranking) -> Table {
         let [first, second] = pair.places.map(|place| name(&ranking.entries[place]));
         let Contrast { difference, interval, .. } = &pair.contrast;
         let decimals = interval.map_or_else(|| decimals(ranking), |it| two_digits(0.5 * (it.high - it.low)));
-        let differs = if pair.is_significant() { "yes" } else { "no" };
+        let differs = if pair.is_significant { "yes" } else { "no" };
         let ends = Interval::ends(*interval).map(|end| optional(end, decimals));
         let cells = [first, second, differs.into(), rounded(*difference, decimals)];
-        cells.into_iter().chain(ends).chain([probability(pair.p_adjusted)]).collect()
+        cells.into_iter().chain(ends).chain([pair.p_adjusted.map_or("-".into(), probability)]).collect()
     });
     Table { text_columns: 3, ..Table::new(&headings, rows.collect()) }
 }
@@ -198,8 +207,8 @@ fn notes(ranking: &Ranking) -> Vec<String> {
     if shows_all(ranking) {
         return Vec::new();
     }
-    let apart = ranking.pairs.iter().filter(|pair| pair.is_significant());
-    let min = apart.clone().map(|pair| pair.p_adjusted).fold(0.0, f64::max);
+    let apart = ranking.pairs.iter().filter(|pair| pair.is_significant);
+    let min = apart.clone().filter_map(|pair| pair.p_adjusted).fold(0.0, f64::max);
     let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
     let differing = apart.count();
     if differing > 0 {

@@ -12,14 +12,10 @@ use crate::comparison::settings::{RecordedSettings, merged, seeds_text, value_te
 use crate::comparison::sides::{Selection, whole};
 use crate::comparison::wording::listed;
 use crate::plan::{
-    ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, TABLES_OF_PROGRAMS, kept_program, limits_of_programs,
-    rules_of,
+    COLUMNS_OF_ENTRIES, ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, kept_program, limits_of_programs, rules_of,
 };
 use wildfire_base::untrusted::visible_start;
 use wildfire_scenario::nearest_name;
-
-/// The columns that name an entry whatever was swept.
-const COLUMNS_OF_ENTRIES: [&str; 3] = [ENTRY_COLUMN, "planner", "policy"];
 
 /// The most differences that a refusal names.
 const MAX_NAMED: usize = 5;
@@ -42,6 +38,19 @@ pub struct RankedRun {
     pub seed: u64,
     pub stratum: usize,
     pub index: usize,
+}
+
+/// What runs of different entries are paired by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RunKey {
+    pub seed: u64,
+    pub stratum: usize,
+}
+
+impl RankedRun {
+    pub fn key(&self) -> RunKey {
+        RunKey { seed: self.seed, stratum: self.stratum }
+    }
 }
 
 /// The rules of which entries may be ranked together.
@@ -104,13 +113,13 @@ impl<'a> Entries<'a> {
         Ok(())
     }
 
-    /// All entries have runs of the same seeds under the same conditions.
+    /// All entries have runs of the same seeds under the same conditions, or, if a rule stopped them, some of these.
     fn refuse_other_runs(&self) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
         for other in others {
-            let keys =
-                |entry: &EntryRuns<'_>| -> Vec<_> { entry.runs.iter().map(|it| (it.seed, it.stratum)).collect() };
-            if keys(first) == keys(other) {
+            let [ours, theirs] = [first, other].map(|it| it.runs.iter().map(RankedRun::key).collect::<BTreeSet<_>>());
+            let were_stopped = [first, other].iter().all(|entry| entry.settings.plan().until.is_some());
+            if ours == theirs || were_stopped && (ours.is_subset(&theirs) || theirs.is_subset(&ours)) {
                 continue;
             }
             let seeds = [first, other].map(|entry| seeds_text(entry.runs.iter().map(|run| run.seed)));
@@ -242,7 +251,7 @@ fn divided<'a>(
 ) -> Result<Vec<EntryRuns<'a>>, RankingError> {
     let side = whole(table, selection)?;
     let conditions: Vec<&RunCondition> =
-        side.varying().into_iter().filter(|it| belongs_to_entry(&it.name, free)).collect();
+        side.varying().into_iter().filter(|it| free.belongs_to_entry(&it.name)).collect();
     let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     let mut entries: Vec<EntryRuns<'a>> = Vec::new();
     for run in side.runs {
@@ -258,12 +267,6 @@ fn divided<'a>(
         entries[index].runs.push(RankedRun { seed: table.seeds[run], stratum: 0, index: run });
     }
     Ok(entries)
-}
-
-fn belongs_to_entry(column: &str, free: &FreeKeys) -> bool {
-    COLUMNS_OF_ENTRIES.contains(&column)
-        || free.has_key(column)
-        || column.split('.').next().is_some_and(|first| TABLES_OF_PROGRAMS.contains(&first))
 }
 
 /// Names the entries: by what varies in their table, by its folder if it is one of several, and by its path if that does
@@ -340,7 +343,7 @@ fn varying_columns(entries: &[EntryRuns<'_>], free: &FreeKeys) -> Vec<String> {
             let varying = entry.table.conditions.iter().filter(|condition| varies(entry, condition));
             varying
                 .map(|condition| condition.name.clone())
-                .filter(|name| !belongs_to_entry(name, free))
+                .filter(|name| !free.belongs_to_entry(name))
                 .collect::<Vec<_>>()
         })
         .collect();

@@ -16,6 +16,7 @@ impl Serialize for Ranking {
             better: self.better.name(),
             runs: self.runs,
             seeds: &self.seeds,
+            stopping_rule: &self.stop,
             mean_over: &self.columns,
             worst: self.worst,
             entries: self.entries.iter().enumerate().map(|(place, it)| entry(self, place, it)).collect::<Vec<_>>(),
@@ -38,6 +39,7 @@ fn entry(ranking: &Ranking, place: usize, entry: &RankedEntry) -> impl Serialize
         rank_to: entry.ranks[1],
         groups: &entry.groups,
         mean: entry.mean,
+        runs: entry.runs,
         less_first: ranking.pair(0, place).map(|pair| difference(&pair.contrast)),
         failed: entry.failed,
         without_value: entry.without_value,
@@ -61,7 +63,7 @@ fn pair(ranking: &Ranking, pair: &RankedPair) -> impl Serialize {
         p_method: pair.contrast.p_method.name(),
         p_adjusted: pair.p_adjusted,
         #[serde(rename = "told_apart")]
-        significant: pair.is_significant(),
+        significant: pair.is_significant,
         cohens_dz: pair.contrast.effect_dz,
     })
 }

@@ -16,12 +16,14 @@ mod groups;
 mod json;
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 pub use document::{decimals, ranks};
+pub(crate) use entries::RunKey;
 pub use error::RankingError;
 pub use groups::MAX_ENTRIES;
 
@@ -32,12 +34,12 @@ use crate::comparison::settings::{RecordedSettings, seeds_text};
 use crate::comparison::sides::Selection;
 use crate::comparison::wording::listed;
 use crate::comparison::{Contrast, LEVEL, adjusted};
-use crate::plan::FreeParameters;
 pub use crate::plan::USUALLY_FREE;
-use crate::stats::Series;
+use crate::plan::{FreeParameters, RecordedPlan, StoppingGoal, StoppingRule};
+use crate::stats::{Interval, Series};
 use crate::table::Better;
 use crate::table::QueryTally;
-use entries::{Entries, EntryRuns, RankRules};
+use entries::{Entries, EntryRuns, RankRules, RankedRun};
 use groups::Significance;
 
 /// The metric by which entries are ranked by default.
@@ -76,6 +78,8 @@ pub struct Ranking {
     pub strata: usize,
     /// The value assigned to runs without one; `None` if there is no such run.
     pub worst: Option<f64>,
+    /// The rule that stopped the entries, and after how many seeds; `None` if their number was fixed before.
+    pub stop: Option<String>,
     /// The entries, best first; entries of equal means in the order of their failures and names.
     pub entries: Vec<RankedEntry>,
     /// All pairs of entries, by their places in `entries`, better entry first.
@@ -94,7 +98,10 @@ pub struct RankedEntry {
     pub ranks: [usize; 2],
     /// The letters of its groups; `None` if there are more groups than letters.
     pub groups: Option<String>,
+    /// The mean of its runs; of an entry that stopped before others, that of the best entry with all runs and its difference
+    /// from it.
     pub mean: f64,
+    pub runs: usize,
     pub failed: usize,
     /// Finished runs without a value of the metric.
     pub without_value: usize,
@@ -139,18 +146,46 @@ pub struct RankedPair {
     pub places: [usize; 2],
     /// The difference, second entry minus first.
     pub contrast: Contrast,
-    /// The p-value adjusted by Holm's method over all pairs; 1 if no run differs.
-    pub p_adjusted: f64,
+    /// The p-value adjusted by Holm's method over all pairs, 1 if no run differs; `None` if a rule stopped the runs.
+    pub p_adjusted: Option<f64>,
+    /// Whether there is evidence that the entries differ.
+    pub is_significant: bool,
 }
 
-impl RankedPair {
-    /// Returns whether there is evidence that the entries differ.
-    pub fn is_significant(&self) -> bool {
-        self.p_adjusted <= LEVEL
+/// How the number of an entry's runs was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RunCounts {
+    Fixed,
+    /// By a rule that asked something of pairs of entries.
+    ByPairs,
+    /// By a rule that dropped entries that were worse than the best.
+    ByElimination,
+}
+
+impl RunCounts {
+    /// Says how the runs of plans were chosen.
+    fn of_plans<'a>(plans: impl Iterator<Item = &'a RecordedPlan>) -> Self {
+        let goals: Vec<_> = plans.filter_map(|plan| plan.until.as_ref().map(|rule| rule.goal)).collect();
+        match goals[..] {
+            [] => Self::Fixed,
+            [StoppingGoal::Groups { .. }] => Self::ByElimination,
+            _ => Self::ByPairs,
+        }
+    }
+
+    /// Returns the error of the interval of a pair of so many entries.
+    fn error(self, places: [usize; 2], entries: usize) -> f64 {
+        let is_with_best = self == Self::ByElimination && places[0] == 0;
+        StoppingRule::error_of_each(if is_with_best { entries - 1 } else { entries * (entries - 1) / 2 })
     }
 }
 
 impl Ranking {
+    /// Returns whether some entries stopped before others.
+    pub(crate) fn has_stopped_entries(&self) -> bool {
+        self.entries.iter().any(|entry| entry.runs < self.runs)
+    }
+
     /// Returns the pair of an entry with a better one.
     pub fn pair(&self, better: usize, worse: usize) -> Option<&RankedPair> {
         self.pairs.iter().find(|pair| pair.places == [better, worse])
@@ -193,6 +228,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             description: entry.description(),
             planner: entry.planner().to_owned(),
             failed,
+            runs: entry.runs.len(),
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
             failures: failures_of(entry),
@@ -203,15 +239,18 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         };
         RankInput { entry, numbers }
     });
-    // All entries played the same runs, so those of the first stand for all.
-    let runs: Vec<(u64, usize)> = entries.entries[0].runs.iter().map(|run| (run.seed, run.stratum)).collect();
+    // All entries played the same runs, or the first of them.
+    let longest = entries.entries.iter().max_by_key(|entry| entry.runs.len()).expect("there are entries");
+    let runs: Vec<RunKey> = longest.runs.iter().map(RankedRun::key).collect();
+    let contenders = contenders.zip(&entries.entries).map(|(contender, entry)| contender.aligned(entry, &runs));
     let by = (entries.strata > 1).then(|| listed(&entries.columns));
-    let (ranked, pairs) = ranked(contenders.collect(), &runs, by, &metric, better);
-    let first = &entries.entries[0];
+    let counts = RunCounts::of_plans(settings.iter().map(RecordedSettings::plan));
+    let (ranked, pairs) = ranked(contenders.collect(), &runs, by, Order { metric: &metric, better, counts });
     Ok(Ranking {
         better,
-        runs: first.runs.len(),
-        seeds: seeds_text(first.runs.iter().map(|run| run.seed)),
+        runs: longest.runs.len(),
+        seeds: seeds_text(longest.runs.iter().map(|run| run.seed)),
+        stop: settings.iter().find_map(|it| it.plan().stop.clone()),
         columns: entries.columns.clone(),
         strata: entries.strata,
         worst,
@@ -300,33 +339,54 @@ fn numbers(
     Ok((numbers, is_used.then_some(worst)))
 }
 
-/// An entry that is not ranked yet, and its number in each run.
+/// An entry that is not ranked yet, and its number in each run; NaN in runs that it did not play.
 pub(crate) struct RankInput {
     pub entry: RankedEntry,
     pub numbers: Vec<f64>,
+}
+
+impl RankInput {
+    /// Puts the numbers, which are those of the entry's runs, to the places of all runs.
+    fn aligned(self, entry: &EntryRuns<'_>, runs: &[RunKey]) -> Self {
+        let number_of: BTreeMap<RunKey, f64> = entry.runs.iter().map(RankedRun::key).zip(self.numbers).collect();
+        let numbers = runs.iter().map(|key| number_of.get(key).copied().unwrap_or(f64::NAN)).collect();
+        Self { entry: self.entry, numbers }
+    }
+
+    fn has_all_runs(&self) -> bool {
+        !self.numbers.iter().any(|number| number.is_nan())
+    }
+}
+
+/// By what entries are put in order.
+pub(crate) struct Order<'a> {
+    pub metric: &'a Metric,
+    pub better: Better,
+    pub counts: RunCounts,
 }
 
 /// Puts entries in order and gives them their means, ranks and groups; `runs` are the seeds and strata of all of them, and
 /// `by` is what the strata differ in, if there are several.
 pub(crate) fn ranked(
     mut contenders: Vec<RankInput>,
-    runs: &[(u64, usize)],
+    runs: &[RunKey],
     by: Option<String>,
-    metric: &Metric,
-    better: Better,
+    order: Order<'_>,
 ) -> (Vec<RankedEntry>, Vec<RankedPair>) {
-    for RankInput { entry, numbers } in &mut contenders {
+    let better = order.better;
+    for RankInput { entry, numbers } in contenders.iter_mut().filter(|it| it.has_all_runs()) {
         entry.mean = Series::from_values(numbers).mean().expect("every entry has runs");
     }
+    give_means_to_stopped(&mut contenders, better);
     contenders.sort_by(|one, other| {
         let (one, other) = (&one.entry, &other.entry);
         let by_mean = better.best_first(one.mean, other.mean);
         by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
     });
-    let pairs = pairs(&contenders, runs, by, metric);
+    let pairs = pairs(&contenders, runs, by, &order);
     let significance = Significance::new(
         contenders.len(),
-        pairs.iter().filter(|it| it.is_significant()).map(|it| (it.places[0], it.places[1])),
+        pairs.iter().filter(|it| it.is_significant).map(|it| (it.places[0], it.places[1])),
     );
     let letters = significance.letters();
     let entries = contenders.into_iter().enumerate().map(|(place, RankInput { entry, .. })| RankedEntry {
@@ -337,25 +397,55 @@ pub(crate) fn ranked(
     (entries.collect(), pairs)
 }
 
+/// Gives entries that stopped before others the mean of the best of those with all runs, and their differences from it:
+/// fields differ more than entries, so that means over different seeds cannot be compared.
+fn give_means_to_stopped(contenders: &mut [RankInput], better: Better) {
+    let whole = contenders.iter().filter(|it| it.has_all_runs());
+    let best = whole.min_by(|one, other| better.best_first(one.entry.mean, other.entry.mean));
+    let best = best.expect("an entry has all runs");
+    let best_mean = best.entry.mean;
+    let of_best = best.numbers.clone();
+    for RankInput { entry, numbers } in contenders.iter_mut().filter(|it| !it.has_all_runs()) {
+        let differences = numbers.iter().zip(&of_best).map(|(number, best)| number - best);
+        let differences: Vec<f64> = differences.filter(|difference| !difference.is_nan()).collect();
+        entry.mean = best_mean + Series::from_values(&differences).mean().expect("every entry has runs");
+    }
+}
+
 /// Contrasts all pairs of contenders in their order.
-fn pairs(contenders: &[RankInput], runs: &[(u64, usize)], by: Option<String>, metric: &Metric) -> Vec<RankedPair> {
+fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, order: &Order<'_>) -> Vec<RankedPair> {
+    let Order { metric, counts, .. } = *order;
     let count = contenders.len();
     let places: Vec<[usize; 2]> =
         (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();
     let contrasts = places.par_iter().map(|places| {
         let [ours, theirs] = places.map(|place| &contenders[place].numbers);
         let numbers = ours.iter().zip(theirs);
-        let pairs = runs.iter().zip(numbers).map(|(&(seed, stratum), (&ours, &theirs))| NumberPair {
+        let pairs = runs.iter().zip(numbers).map(|(&RunKey { seed, stratum }, (&ours, &theirs))| NumberPair {
             seed,
             stratum,
             numbers: [ours, theirs],
         });
-        Contrast::from_numbers(metric, pairs.collect(), by.clone()).expect("every entry has runs").contrast
+        let pairs = pairs.filter(|pair| !pair.numbers.iter().any(|number| number.is_nan())).collect();
+        let found = Contrast::from_numbers(metric, pairs, by.clone()).expect("every entry has runs");
+        match counts {
+            RunCounts::Fixed => found.contrast,
+            _ => found.of_stopped_runs(counts.error(*places, count)).contrast,
+        }
     });
     let contrasts: Vec<Contrast> = contrasts.collect();
-    let p_values = adjusted(contrasts.iter().map(|contrast| Some(contrast.p_value.unwrap_or(1.0))));
+    let is_fixed = counts == RunCounts::Fixed;
+    let p_values = adjusted(contrasts.iter().map(|contrast| is_fixed.then(|| contrast.p_value.unwrap_or(1.0))));
     let pairs = places.into_iter().zip(contrasts).zip(p_values);
     pairs
-        .map(|((places, contrast), p)| RankedPair { places, contrast, p_adjusted: p.expect("all pairs have one") })
+        .map(|((places, contrast), p_adjusted)| {
+            // An entry that the rule dropped is known to be worse than the best one of then.
+            let was_dropped = counts == RunCounts::ByElimination
+                && places[0] == 0
+                && contenders[places[1]].entry.runs < contenders[0].entry.runs;
+            let excludes_zero = !is_fixed && contrast.interval.is_some_and(Interval::excludes_zero);
+            let is_significant = p_adjusted.is_some_and(|p| p <= LEVEL) || excludes_zero || was_dropped;
+            RankedPair { places, contrast, p_adjusted, is_significant }
+        })
         .collect()
 }

@@ -110,7 +110,7 @@ impl JournalIndex {
                     index.add(place, entry.status, offset, &lines.line);
                     index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
                     if entry.status != Status::Done {
-                        let variant = (entry.label.run - 1) / plan.seeds.count();
+                        let variant = plan.place(entry.label.run).variant as u64;
                         let failed = FailedRuns { count: 1, first: entry.label.run, message: entry.message };
                         add_failed(&mut index.failures, variant, failed);
                     }

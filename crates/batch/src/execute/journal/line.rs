@@ -46,6 +46,7 @@ struct StuckTimes {
 #[derive(Deserialize)]
 pub struct EntryLabel {
     pub run: u64,
+    pub seed: u64,
 }
 
 impl Entry {

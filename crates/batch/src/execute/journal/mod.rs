@@ -15,7 +15,7 @@ mod row_stream;
 
 pub use index::{FailedRuns, JournalIndex, RowReader, add_failed};
 pub use line::encode_row;
-pub use open::{LockedJournal, OpenJournal, open_to_read, plan_of_journal, write_journal};
+pub use open::{LockedJournal, OpenJournal, open_to_read, plan_of_journal, seeds_of_journal, write_journal};
 pub use row_stream::{RowStream, StreamBudget, count_lines};
 
 use std::io;

@@ -5,8 +5,8 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::index::{RowReader, read_line_at};
-use super::line::{Head, decode, encode, encode_row};
+use super::index::{LineStart, Lines, RowReader, read_line_at};
+use super::line::{Entry, Head, decode, encode, encode_row};
 use super::{JournalError, JournalIndex};
 use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RunRow, Status};
 use crate::plan::{BatchPlan, Slice};
@@ -121,6 +121,21 @@ pub fn write_journal(
 pub fn plan_of_journal(path: &Path) -> Option<String> {
     let line = read_line_at(&File::open(path).ok()?, 0).ok()?;
     decode(&line).ok().map(|head: Head| head.plan_sha256)
+}
+
+/// Returns the seeds of the runs in a journal in the order of its lines, up to the first that cannot be read.
+pub fn seeds_of_journal(path: &Path) -> Vec<u64> {
+    let mut seeds = Vec::new();
+    let Ok(file) = File::open(path) else { return seeds };
+    let Ok(mut lines) = Lines::from(path, &file, LineStart::default()) else { return seeds };
+    while let Ok(Some(LineStart { number, .. })) = lines.next() {
+        match decode::<Entry>(&lines.line) {
+            _ if number == 0 => {}
+            Ok(entry) => seeds.push(entry.label.seed),
+            Err(_) => break,
+        }
+    }
+    seeds
 }
 
 fn writer_of(disk: &dyn Disk, path: &Path, file: &File) -> Result<Box<dyn Append>, BatchError> {

@@ -51,10 +51,10 @@ impl Collected {
         let mut collected = Self::default();
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
-        for variant in &plan.variants {
+        for (index, variant) in plan.variants.iter().enumerate() {
             let mut report = VariantReport::new(plan.title(variant), &variant.scenario);
             let mut values = Values::default();
-            for _ in 0..plan.seeds.count() {
+            for _ in 0..plan.seeds_of(index) {
                 number += 1;
                 let run = plan.run(number);
                 let row = rows.next(&run)?;

@@ -43,11 +43,12 @@ fn read_all(file: &ParquetReader, plan: &BatchPlan) -> Result<Vec<StateCurves>, 
     let mut counts = Counts::default();
     for group in file.groups() {
         for row in rows_of(&group?)? {
-            let variant = (row.run - 1) / plan.seeds.count();
-            while (curves.len() as u64) < variant.min(plan.variants.len() as u64) {
+            let place = (1..=plan.count()).contains(&row.run).then(|| plan.place(row.run));
+            let variant = place.map_or(plan.variants.len(), |place| place.variant);
+            while curves.len() < variant.min(plan.variants.len()) {
                 curves.push(mem::take(&mut counts).curves());
             }
-            if curves.len() as u64 != variant || variant >= plan.variants.len() as u64 {
+            if curves.len() != variant || variant >= plan.variants.len() {
                 return Err(format!("run {} is not expected there", row.run));
             }
             counts.add(&row)?;

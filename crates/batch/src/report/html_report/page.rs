@@ -151,7 +151,7 @@ impl<'a> PageCharts<'a> {
 }
 
 fn summary(plan: &BatchPlan, collected: &Collected, figures: &Figures) -> Vec<Block> {
-    let seeds = plan.seeds.count();
+    let seeds = plan.seeds_text();
     if let [only] = collected.report.variants.as_slice() {
         let runs = Block::Text(format!("{seeds} runs of {}.", only.title));
         return vec![runs, Block::List(only.tally.sentences())];
