@@ -26,6 +26,9 @@ class Ground {
         this.arrival = data.arrival.map(({ time_s, label, lines }) => ({ timeNs: time_s * NANOS, label, lines: lines.map((line) => sums(line, 2)) }));
         // A module of a page that was built before has no crews.
         this.crews = Float64Array.from(data.crews_ms ?? [], (time) => time * MILLIS);
+        // When which cell was cleared, and whether it holds.
+        const line = data.line ?? { cell: [], from_ms: [], holds: [] };
+        this.line = { times: sums(line.from_ms).map((time) => time * MILLIS), cells: line.cell, holds: line.holds };
         this.wind = { times: Float64Array.from(data.wind.from_ms, (time) => time * MILLIS), east: data.wind.east, north: data.wind.north };
         this.sheet = this.makeSheet();
         this.picture = this.sheet.getContext("2d").createImageData(run.cols, run.rows);
@@ -171,6 +174,12 @@ Object.assign(FieldPane.prototype, {
         context.fillStyle = css(run.ground.fire.wet, run.ground.fire.wet_opacity);
         for (const cell of new Set(wet.map((wetting) => wetting.cell))) {
             const [left, top, right, bottom] = projection.cell(run.cell(cell));
+            context.fillRect(left, top, right - left, bottom - top);
+        }
+        const { times, cells, holds } = run.ground.line;
+        for (let index = 0; index <= lastAt(times, ns); index++) {
+            const [left, top, right, bottom] = projection.cell(run.cell(cells[index]));
+            context.fillStyle = css(holds[index] ? run.ground.fire.line : run.ground.fire.lost_line);
             context.fillRect(left, top, right - left, bottom - top);
         }
     },

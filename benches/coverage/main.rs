@@ -5,6 +5,7 @@
 //! each percentage stands its simulation error, one standard deviation.
 
 mod alarms;
+mod classes;
 mod means;
 mod others;
 mod outcomes;
@@ -28,7 +29,16 @@ fn main() -> ExitCode {
             println!("{}", others::coverage(&contests, replications));
             println!("{}", alarms::rates(&contests, replications));
             println!("{}", stopping::rates(&contests, replications));
-            ExitCode::SUCCESS
+            match classes::rates() {
+                Ok(text) => {
+                    println!("{text}");
+                    ExitCode::SUCCESS
+                }
+                Err(error) => {
+                    eprintln!("{error}");
+                    ExitCode::FAILURE
+                }
+            }
         }
         Err(error) => {
             eprintln!("{error}");

@@ -2,6 +2,7 @@
 
 use rand::Rng;
 use rayon::prelude::*;
+use wildfire::scenario::Scenario;
 use wildfire::timeline::{Outcome, Winner};
 use wildfire::{scenario, sim};
 
@@ -57,6 +58,16 @@ fn runs(scenario: &str, changes: &[String]) -> Result<Vec<Contest>, String> {
         })
     };
     SEEDS.into_par_iter().map(run).collect()
+}
+
+/// The bushes saved in runs of a scenario.
+pub fn saved(contest: &Scenario, seeds: std::ops::RangeInclusive<u64>) -> Result<Vec<f64>, String> {
+    let run = |seed| {
+        let run = sim::run(contest, seed).map_err(|error| format!("seed {seed}: {error}"))?;
+        let outcome = Outcome::new(&run.timeline);
+        Ok(f64::from(outcome.intact + outcome.extinguished))
+    };
+    seeds.into_par_iter().map(run).collect()
 }
 
 impl Population {

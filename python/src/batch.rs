@@ -10,11 +10,13 @@ use pyo3::prelude::*;
 use pyo3::types::{PyInt, PyMapping, PySequence, PyString};
 use tempfile::TempDir;
 use wildfire::batch as library;
-use wildfire::batch::execute::{BatchError, OutputFolder, RealDisk, with_threads};
+use wildfire::batch::execute::{BatchError, OutputFolder, RealDisk, RunScenario, with_threads};
 use wildfire::batch::plan::{
-    BatchPlan, BatchRequest, MAX_SLICES, PlanError, Record, RequestError, Seeds, Setting, Slice, SliceError, Sweep,
+    BatchPlan, BatchRequest, MAX_SLICES, PlanError, Record, RequestError, Seeds, Setting, Slice, SliceError,
+    StoppingRule, Sweep,
 };
 use wildfire::batch::report::{BatchReport, Merged, merge, read_report, read_rows};
+use wildfire::batch::stopping::{StopRequest, USUAL_MAX_SEEDS};
 use wildfire::batch::table::{FinishedBatch, swept_columns};
 use wildfire::scenario::{Fault, ScenarioText};
 use wildfire::sim::{RunError, RunOptions};
@@ -81,6 +83,13 @@ impl Batch {
     #[getter]
     fn folder(&self) -> Option<PathBuf> {
         self.scratch.is_none().then(|| self.folder.path().to_owned())
+    }
+
+    /// Returns the rule by which the batch stopped and after how many seeds, such as ``"saved decided, after 30 of at most
+    /// 1000 seeds"``; None without a rule.
+    #[getter]
+    fn stopped_by(&self) -> Option<String> {
+        self.plan.stop_text()
     }
 
     /// Returns the number of runs that failed.
@@ -168,8 +177,9 @@ struct RunsRequest<'a, 'py> {
 
 #[pyfunction]
 #[pyo3(signature = (
-    scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, jobs = 1, out = None,
-    record = None, version = None, trust = false, executor = None, shards = None
+    scenarios = None, seeds = None, *, planner = None, planners = None, policies = None, sweep = None, until = None,
+    metric = None, equivalent = None, jobs = 1, out = None, record = None, version = None, trust = false, executor = None,
+    shards = None
 ))]
 /// Runs scenarios with many seeds.
 ///
@@ -187,6 +197,13 @@ struct RunsRequest<'a, 'py> {
 ///     Custom planners and policies, as in `run`.
 /// sweep : mapping
 ///     Values to vary by key of the scenario, such as ``{"field.coverage": [0.05, 0.1]}``.
+/// until : str
+///     What is to be known before the batch stops: ``"decided"``, ``"groups"`` or ``"saved=0.5"``, as ``wildfire batch
+///     --until``. `seeds` are then the most, by default 1 to 1000.
+/// metric : str
+///     The metric of ``"decided"`` and ``"groups"``; default: ``"saved"``.
+/// equivalent : float
+///     The difference below which two variants count as equal there.
 /// jobs : int
 ///     Threads; -1 for one per core. Python planners take turns if the interpreter has a lock.
 /// out : path
@@ -223,6 +240,9 @@ pub fn batch(
     planners: Option<&Bound<'_, PyMapping>>,
     policies: Option<&Bound<'_, PyMapping>>,
     sweep: Option<&Bound<'_, PyMapping>>,
+    until: Option<&str>,
+    metric: Option<String>,
+    equivalent: Option<f64>,
     jobs: isize,
     out: Option<PathBuf>,
     record: Option<&str>,
@@ -236,7 +256,11 @@ pub fn batch(
     let scenarios = scenarios.map_or_else(|| vec![ScenarioLike::or_contest(None)], OneOrMore::into_vec);
     let request = RunsRequest {
         scenarios: scenarios.iter().map(|named| named.load(py, Vec::new())).collect::<PyResult<_>>()?,
-        seeds: seeds.map_or_else(|| Ok(Seeds::default()), seeds_from)?,
+        seeds: match seeds {
+            Some(seeds) => seeds_from(seeds)?,
+            None if until.is_some() => USUAL_MAX_SEEDS.parse().map_err(error)?,
+            None => Seeds::default(),
+        },
         planners: planner.map_or_else(Vec::new, OneOrMore::into_vec),
         sweep,
         record: record
@@ -247,6 +271,10 @@ pub fn batch(
     let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
     let mut plan = request.plan(&factories)?;
     factories.sign(py, &mut plan, version)?;
+    plan.until = stopping_rule(&plan, until, metric, equivalent)?;
+    if plan.until.is_some() && spread.is_some() {
+        return Err(PyValueError::new_err("expected no executor beside `until`: its seeds run in rounds"));
+    }
     let (path, scratch) = match out {
         Some(path) => (path, None),
         None => {
@@ -270,6 +298,22 @@ pub fn batch(
     }
     let folder = OutputFolder::existing(&path).map_err(error)?;
     Ok(Batch { plan, folder, scratch, report, was_read })
+}
+
+/// Returns the rule of a batch that stops when enough is known.
+fn stopping_rule(
+    plan: &BatchPlan,
+    until: Option<&str>,
+    metric: Option<String>,
+    equivalent: Option<f64>,
+) -> PyResult<Option<StoppingRule>> {
+    let Some(until) = until else {
+        let is_alone = metric.is_none() && equivalent.is_none();
+        let refusal = || PyValueError::new_err("expected `until` beside `metric` and `equivalent`");
+        return if is_alone { Ok(None) } else { Err(refusal()) };
+    };
+    let until = until.parse().map_err(|reason: String| PyValueError::new_err(format!("until: {reason}")))?;
+    StopRequest { until, metric, equivalent }.rule(plan).map(Some).map_err(error)
 }
 
 /// Runs what is missing of a shard of a batch in a folder, and returns how many of its runs were there before.
@@ -486,9 +530,12 @@ fn run_to_its_end(
     jobs: usize,
 ) -> PyResult<(BatchReport, BatchPlan, u64)> {
     interruptible(py, factories, jobs, |interruption| {
-        let mut batch = begin_or_go_on(plan, path)?;
+        let batch = begin_or_go_on(plan, path)?;
         let found = batch.progress().stored();
-        run_missing(&mut batch, factories, jobs, interruption)?;
+        let run = simulation(&batch, factories, interruption);
+        let played = batch.run_until(run, jobs, interruption.stop(), |_| {}, |_| {});
+        end_runs(played.is_err(), interruption);
+        let batch = played?.batch;
         let report = batch.finish(interruption.stop())?;
         Ok((report, batch.plan().clone(), found))
     })
@@ -529,34 +576,50 @@ fn run_missing(
     jobs: usize,
     interruption: &Arc<Interruption>,
 ) -> Result<(), BatchError> {
+    let run = simulation(batch, factories, interruption);
+    let ran = batch.run_with(run, jobs, interruption.stop(), |_| {});
+    end_runs(ran.is_err(), interruption);
+    ran
+}
+
+/// Returns the function that simulates a run of a batch with planners and policies in Python.
+fn simulation(
+    batch: &library::execute::Batch,
+    factories: &Arc<Factories>,
+    interruption: &Arc<Interruption>,
+) -> Box<RunScenario> {
     let memory = batch.plan().memory;
-    let run = {
-        let factories = Arc::clone(factories);
-        let interruption = Arc::clone(interruption);
-        move |scenario: &wildfire::scenario::Scenario, seed| {
-            let run = interruption.run(|| {
-                // Attaching the thread to Python for the whole run saves doing so in each query.
-                Python::try_attach(|py| {
-                    let registry = factories.registry_of(py, Some(scenario), &interruption);
-                    let options = RunOptions { memory, ..registry.into() };
-                    py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
-                })
-            });
-            run.flatten().unwrap_or(Err(RunError::Stopped))
-        }
-    };
-    let ran = batch.run_with(Box::new(run), jobs, interruption.stop(), |_| {});
-    if ran.is_err() {
+    let factories = Arc::clone(factories);
+    let interruption = Arc::clone(interruption);
+    Box::new(move |scenario, seed| {
+        let run = interruption.run(|| {
+            // Attaching the thread to Python for the whole run saves doing so in each query.
+            Python::try_attach(|py| {
+                let registry = factories.registry_of(py, Some(scenario), &interruption);
+                let options = RunOptions { memory, ..registry.into() };
+                py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
+            })
+        });
+        run.flatten().unwrap_or(Err(RunError::Stopped))
+    })
+}
+
+/// Waits for the runs that are under way, which are to stop if something is wrong.
+fn end_runs(is_wrong: bool, interruption: &Interruption) {
+    if is_wrong {
         interruption.stop().store(true, Ordering::Relaxed);
     }
     interruption.wait_for_runs();
-    ran
 }
 
 /// Starts a batch, or continues the same one where it was stopped.
 fn begin_or_go_on(plan: BatchPlan, path: &Path) -> Result<library::execute::Batch, BatchError> {
     if path.is_dir() && FinishedBatch::is_there(path) {
-        BatchPlan::read(path)?.expect_same(&plan, path)?;
+        let found = BatchPlan::read(path)?;
+        // One that its rule has stopped has fewer seeds.
+        let stopped = if plan.until.is_some() { plan.shortened(&found.played()) } else { plan.clone() };
+        let is_stopped = stopped.content_sha256() == found.content_sha256();
+        found.expect_same(if is_stopped { &stopped } else { &plan }, path)?;
         return library::execute::Batch::resume(OutputFolder::existing(path)?, Slice::WHOLE);
     }
     library::execute::Batch::begin(plan, OutputFolder::named(path, false)?)

@@ -113,6 +113,8 @@ class Batch:
     @property
     def folder(self) -> _PathLike | None: ...
     @property
+    def stopped_by(self) -> str | None: ...
+    @property
     def not_done(self) -> int: ...
     def __len__(self) -> int: ...
 
@@ -311,6 +313,9 @@ def batch(
     planners: _Planners | None = None,
     policies: _Policies | None = None,
     sweep: Mapping[str, Sequence[object]] | None = None,
+    until: str | None = None,
+    metric: str | None = None,
+    equivalent: float | None = None,
     jobs: int = 1,
     out: _PathLike | None = None,
     record: Literal["all", "failed", "none"] | None = None,

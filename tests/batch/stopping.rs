@@ -5,9 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use wildfire::batch::comparison::{
-    ComparisonError, Questions, RankingRequest, Selection, Verdict, compare, rank,
-};
+use wildfire::batch::comparison::{ComparisonError, Questions, RankingRequest, Selection, Verdict, compare, rank};
 use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
 use wildfire::batch::plan::{BatchPlan, Record, Slice, StoppingGoal, StoppingRule, Value, Variant};
 use wildfire::batch::stopping::{Look, PlayedBatch};

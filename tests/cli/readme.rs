@@ -304,7 +304,11 @@ fn blocks_are_of_a_kind_that_is_known() {
             assert!(
                 matches!(tags.as_slice(), ["sh" | "text"] | ["sh" | "text", "measured"] | ["text", "times"] | ["sql"])
                     || tags.len() <= 2
-                        && ["toml", "csv", "json", "yaml", "ini", "groovy", "python", "pycon", "rust", "shell", "console"].contains(&tags[0]),
+                        && [
+                            "toml", "csv", "json", "yaml", "ini", "groovy", "python", "pycon", "rust", "shell",
+                            "console"
+                        ]
+                        .contains(&tags[0]),
                 "{place}: {tags:?}"
             );
             if block.is_measured() {

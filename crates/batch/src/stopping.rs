@@ -57,7 +57,9 @@ pub enum StopError {
     OneVariant { until: &'static str },
     #[error("a metric or a margin belongs to `decided` and `groups`; expected none beside METRIC=HALF-WIDTH")]
     NotDecided,
-    #[error("nothing says whether more or less of `{metric}` is better; expected a metric of the contest, such as saved")]
+    #[error(
+        "nothing says whether more or less of `{metric}` is better; expected a metric of the contest, such as saved"
+    )]
     WhichIsBetter { metric: String },
     #[error("there are {count} variants; a rule is for at most {MAX_COMPARED}")]
     TooMany { count: usize },
@@ -185,7 +187,8 @@ impl Look {
                 EstimateOf::Variant(variant) => title(variant),
                 EstimateOf::Pair(VariantPair { first, second }) => format!("{} minus {}", title(second), title(first)),
             };
-            let after = if estimate.seeds < self.seeds { format!(", after {} seeds", estimate.seeds) } else { String::new() };
+            let after =
+                if estimate.seeds < self.seeds { format!(", after {} seeds", estimate.seeds) } else { String::new() };
             format!("{metric}, {what}: {}{after}", estimate.amount())
         });
         let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables are for a number \
@@ -200,7 +203,7 @@ impl Look {
     }
 
     /// Returns the best variant and all that are not known to be worse, if the rule asks for these.
-    fn best(&self, plan: &BatchPlan) -> Option<Vec<usize>> {
+    pub fn best(&self, plan: &BatchPlan) -> Option<Vec<usize>> {
         plan.until.as_ref().filter(|rule| matches!(rule.goal, StoppingGoal::Groups { .. }))?;
         let mut best: Vec<usize> = Vec::new();
         for estimate in &self.estimates {
@@ -235,8 +238,8 @@ impl SequenceEstimate {
     }
 }
 
-/// The values of a rule's metric so far.
-struct Monitor {
+/// The values of a rule's metric so far, and which variants play on.
+pub struct Monitor {
     rule: StoppingRule,
     metric: Metric,
     /// What is estimated, but for rules about the best.
@@ -252,7 +255,8 @@ struct Monitor {
 }
 
 impl Monitor {
-    fn new(rule: StoppingRule, plan: &BatchPlan) -> Self {
+    /// Begins to watch a plan, none of whose runs is over.
+    pub fn new(rule: StoppingRule, plan: &BatchPlan) -> Self {
         let entries = plan.entries();
         let (estimates, questions) = match rule.goal {
             StoppingGoal::Groups { .. } => (Vec::new(), entries.len() - 1),
@@ -269,8 +273,18 @@ impl Monitor {
         }
     }
 
+    /// Adds the value of a variant's next seed; NaN of a run without one.
+    pub fn add(&mut self, variant: usize, value: f64) {
+        self.values[variant].push(value);
+    }
+
+    /// Returns which variants play on.
+    pub fn active(&self) -> &[bool] {
+        &self.is_active
+    }
+
     /// Looks at what is known, and lets variants stop of which nothing more is asked.
-    fn look(&mut self) -> Look {
+    pub fn look(&mut self) -> Look {
         let seeds = self.values.iter().map(Vec::len).max().unwrap_or(0) as u64;
         let estimates = match self.rule.goal {
             StoppingGoal::Groups { margin } => self.look_at_groups(margin),
@@ -364,7 +378,8 @@ impl Monitor {
         SequenceEstimate { of, seeds, mean, interval, is_settled, is_worse: false }
     }
 
-    fn played(&self) -> Vec<u64> {
+    /// Returns how many seeds each variant has played.
+    pub fn played(&self) -> Vec<u64> {
         self.values.iter().map(|values| values.len() as u64).collect()
     }
 }
@@ -390,22 +405,24 @@ impl Batch {
         let run = Arc::from(run);
         let max_seeds = self.plan().seeds.count();
         let shared_plan = Arc::new(self.plan().clone());
+        let metric = Metric::from_name(&rule.metric);
         let mut monitor = Monitor::new(rule, self.plan());
         let mut played = 0;
         loop {
             let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(max_seeds);
             let plan = Arc::clone(&shared_plan);
-            let is_active = monitor.is_active.clone();
+            let is_active = monitor.active().to_vec();
             let is_wanted = move |run: u64| {
                 let RunPlace { variant, seed } = plan.place(run);
                 is_active[variant] && seed < seeds
             };
             self.run_some(is_wanted, &run, jobs, stop, &mut on_run)?;
             let mut rows = self.rows()?;
-            for (variant, values) in monitor.values.iter_mut().enumerate().filter(|&(it, _)| monitor.is_active[it]) {
+            let active = (0..self.plan().variants.len()).filter(|&variant| monitor.active()[variant]);
+            for variant in active.collect::<Vec<_>>() {
                 for seed in played..seeds.min(self.plan().seeds_of(variant)) {
                     let row = rows.row(self.plan().number(RunPlace { variant, seed }))?;
-                    values.push(monitor.metric.value(&RunRecord::from_row(&row)).unwrap_or(f64::NAN));
+                    monitor.add(variant, metric.value(&RunRecord::from_row(&row)).unwrap_or(f64::NAN));
                 }
             }
             played = seeds;

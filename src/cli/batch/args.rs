@@ -68,7 +68,8 @@ pub struct BatchArguments {
     pub seeds: Option<SeedsArgument>,
     /// Stop when this is known: `decided`, which of two variants has more of the metric, for each pair; `groups`, which
     /// entries are the best, while those that are worse are dropped; or `METRIC=HALF-WIDTH`, the difference of each pair,
-    /// or the mean of each variant. Looks at 20, 30, 40 ... seeds; --seeds are the most [default: 1..1000].
+    /// or the mean of each variant. Looks at 20, 30, 40 ... seeds; --seeds are the most [default: 1..1000]. For a fixed
+    /// number of seeds see `wildfire compare --power`.
     #[arg(
         long,
         value_name = "WHAT",

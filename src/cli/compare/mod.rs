@@ -57,7 +57,8 @@ pub struct CompareArguments {
     /// The metrics to compare; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
-    /// Print how many seeds detect a difference of this size with 80 % power, and the power of the seeds at hand.
+    /// Print how many seeds detect a difference of this size with 80 % power, and the power of the seeds at hand; `wildfire
+    /// batch --until` needs no guess.
     #[arg(long, value_name = "DIFFERENCE", conflicts_with = "with", allow_hyphen_values = true)]
     pub power: Option<Amount>,
     /// Test whether the sides are equal within this margin.

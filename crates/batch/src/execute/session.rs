@@ -10,7 +10,9 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::execute::entries::JOURNAL;
-use crate::execute::journal::{JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, seeds_of_journal, write_journal};
+use crate::execute::journal::{
+    JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, seeds_of_journal, write_journal,
+};
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, run_all};
 use crate::execute::{BatchError, Disk, JournalIndex, OutputFolder, RUNS_FILE, RealDisk, RunScenario, write_whole};

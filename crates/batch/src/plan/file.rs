@@ -165,7 +165,8 @@ pub(super) fn located(name: &str, folder: &Path) -> String {
 fn sweep_of(table: Table, folder: &Path) -> Result<Sweep, PlanFileProblem> {
     if let Some(Value::String(name)) = table.get("from") {
         if table.len() > 1 {
-            let reason = "a [[sweep]] with `from` has other keys; expected them in the file's columns, or in a [[sweep]]";
+            let reason =
+                "a [[sweep]] with `from` has other keys; expected them in the file's columns, or in a [[sweep]]";
             return Err(PlanFileProblem::Wrong(reason.into()));
         }
         let path = folder.join(name);

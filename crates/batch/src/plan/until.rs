@@ -21,7 +21,11 @@ pub struct StoppingRule {
     #[schemars(with = "String")]
     pub max_seeds: Seeds,
     /// How many seeds each variant has played, in their order, where some stopped before others; else none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "list_of_at_most::<MAX_COMPARED, _, _>")]
+    #[serde(
+        default,
+        skip_serializing_if = "Vec::is_empty",
+        deserialize_with = "list_of_at_most::<MAX_COMPARED, _, _>"
+    )]
     pub played: Vec<u64>,
 }
 
@@ -58,8 +62,9 @@ impl StoppingRule {
     /// two planners at one coverage; without such pairs, the means of all variants, or the differences of all pairs.
     pub fn estimates(&self, swept: &[&[Value]]) -> Vec<EstimateOf> {
         let variants = 0..swept.len();
-        let pairs =
-            variants.clone().flat_map(|first| (first + 1..swept.len()).map(move |second| VariantPair { first, second }));
+        let pairs = variants
+            .clone()
+            .flat_map(|first| (first + 1..swept.len()).map(move |second| VariantPair { first, second }));
         let (alike, others): (Vec<_>, Vec<_>) = pairs.partition(|pair| swept[pair.first] == swept[pair.second]);
         match self.goal {
             _ if !alike.is_empty() => alike.into_iter().map(EstimateOf::Pair).collect(),

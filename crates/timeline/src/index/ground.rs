@@ -47,6 +47,15 @@ pub struct Wetting {
     pub until: SimTime,
 }
 
+/// A cell of line that crews have cleared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineCell {
+    pub cell: Cell,
+    pub from: SimTime,
+    /// False if the fire was there before the crew.
+    pub holds: bool,
+}
+
 /// The ground of a run at all times.
 #[derive(Debug)]
 pub struct GroundIndex {
@@ -60,6 +69,8 @@ pub struct GroundIndex {
     burnings: Vec<Burning>,
     /// By cell index, then time.
     wettings: Vec<Wetting>,
+    /// In order of time.
+    line_cells: Vec<LineCell>,
     line: Option<LineOutcome>,
     cells: u32,
     /// Times, ascending: of ignitions, of ignitions of what had been extinguished, of both kinds of ends.
@@ -87,7 +98,7 @@ impl GroundIndex {
         }
         let mut wettings = Vec::new();
         let mut along_mm = [0; 256];
-        let mut line_cells = [0.0, 0.0];
+        let mut line_cells = Vec::new();
         for event in log {
             match event.fact {
                 GroundFact::Extinguished { .. } => {
@@ -104,7 +115,7 @@ impl GroundIndex {
                 GroundFact::Cleared { flank, along_mm: so_far, holds } => {
                     let along = &mut along_mm[usize::from(flank)];
                     *along = so_far.max(*along);
-                    line_cells[usize::from(holds)] += 1.0;
+                    line_cells.push(LineCell { cell: event.cell, from: event.time, holds });
                     let wetting = Wetting { cell: event.cell, from: event.time, until: SimTime::MAX };
                     wettings.extend(holds.then_some(wetting));
                 }
@@ -113,7 +124,8 @@ impl GroundIndex {
         }
         let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum::<f64>();
         // A cell counts as an average one.
-        let lost_m = built_m * line_cells[0] / (line_cells[0] + line_cells[1]).max(1.0);
+        let lost_cells = line_cells.iter().filter(|cell| !cell.holds).count() as f64;
+        let lost_m = built_m * lost_cells / (line_cells.len() as f64).max(1.0);
         let line = setting.line.as_ref().map(|_| LineOutcome { built_m, lost_m });
         // The log is in order of time, and the sort is stable.
         wettings.sort_by_key(|wetting| frame.index(wetting.cell));
@@ -140,6 +152,7 @@ impl GroundIndex {
             first,
             burnings,
             wettings,
+            line_cells,
             line,
         })
     }
@@ -182,6 +195,11 @@ impl GroundIndex {
     /// Returns all wetting by trucks, and the line of crews, until [`SimTime::MAX`], by cell index and then time.
     pub fn wettings(&self) -> &[Wetting] {
         &self.wettings
+    }
+
+    /// Returns the cells of line that crews have cleared, in order of time.
+    pub fn line_cells(&self) -> &[LineCell] {
+        &self.line_cells
     }
 
     /// Counts the ground cells after all events at a time.

@@ -12,7 +12,8 @@ use crate::comparison::settings::{RecordedSettings, merged, seeds_text, value_te
 use crate::comparison::sides::{Selection, whole};
 use crate::comparison::wording::listed;
 use crate::plan::{
-    COLUMNS_OF_ENTRIES, ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, kept_program, limits_of_programs, rules_of,
+    COLUMNS_OF_ENTRIES, ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, kept_program, limits_of_programs,
+    rules_of,
 };
 use wildfire_base::untrusted::visible_start;
 use wildfire_scenario::nearest_name;

@@ -17,7 +17,7 @@ use crate::film::field::{Layer, Pane};
 use crate::ground::{GroundCover, hillshade};
 use crate::text::{Align, draw_text_on};
 use crate::thin_line::draw_line;
-use wildfire_base::geometry::{DVec2, FieldFrame};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::Landscape;
 use wildfire_grid::Grid;
@@ -38,8 +38,9 @@ pub const BURNED_OPACITY: f64 = 0.86;
 
 pub const WET: Rgb = [40, 120, 200];
 pub const WET_OPACITY: f32 = 0.45;
-/// Line of crews, which is wet for good.
+/// Line of crews that holds, and line that the fire reached before them.
 pub const LINE: Rgb = [110, 66, 30];
+pub const LOST_LINE: Rgb = [232, 160, 140];
 
 pub const EMBER: Rgb = [255, 90, 160];
 /// The time for which the flight of an ember is shown after it has lit something.
@@ -229,20 +230,28 @@ impl GroundView {
     }
 }
 
-/// Draws cells, bushes and ground, that are wet.
+/// Draws cells, bushes and ground, that are wet, and the line of crews.
 pub(super) fn draw_wet(canvas: &mut Canvas, pane: &Pane) {
     let now = pane.view.state.time;
     let Some(ground) = pane.view.run.index().ground() else { return };
-    let wet = ground.wettings().iter().filter(|wet| wet.from <= now && now < wet.until);
-    let mut wet: Vec<_> = wet.map(|wet| (wet.cell, wet.until)).collect();
+    // Line is wet for good, and has colours of its own.
+    let wet = ground.wettings().iter().filter(|wet| wet.from <= now && now < wet.until && wet.until < SimTime::MAX);
+    let mut wet: Vec<Cell> = wet.map(|wet| wet.cell).collect();
     // By cell index, so that a cell that was wetted twice is painted once.
-    wet.dedup_by_key(|&mut (cell, _)| cell);
-    for (cell, until) in wet {
-        let (colour, opacity) = if until == SimTime::MAX { (LINE, 1.0) } else { (WET, WET_OPACITY) };
-        let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
-        let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
-        canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], colour, opacity);
+    wet.dedup();
+    for cell in wet {
+        fill_cell(canvas, pane, cell, WET, WET_OPACITY);
     }
+    let built = ground.line_cells().iter().take_while(|line| line.from <= now);
+    for line in built {
+        fill_cell(canvas, pane, line.cell, if line.holds { LINE } else { LOST_LINE }, 1.0);
+    }
+}
+
+fn fill_cell(canvas: &mut Canvas, pane: &Pane, cell: Cell, colour: Rgb, opacity: f32) {
+    let ((left, top), (right, bottom)) = pane.projection.cell(pane.frame(), cell);
+    let [left, top, right, bottom] = [left, top, right, bottom].map(|at| at as f32);
+    canvas.fill_through(&[(left, top), (right, top), (right, bottom), (left, bottom)], colour, opacity);
 }
 
 impl BurningTimes {

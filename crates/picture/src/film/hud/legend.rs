@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::Rgb;
 use crate::colours::{BURNED_OUT, INK, UNIMOG, WUMPUS, blend};
 use crate::film::RunView;
-use crate::film::field::ground::{BURNED_OPACITY, CHAR, FLAMING, LINE, WET, WET_OPACITY};
+use crate::film::field::ground::{BURNED_OPACITY, CHAR, FLAMING, LINE, LOST_LINE, WET, WET_OPACITY};
 use crate::film::field::{draw_glow, is_summed};
 use crate::film::hud::HudView;
 use crate::film::hud::panel::{LineMark, PanelBlock, PanelLine};
@@ -124,7 +124,8 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
         add(over(WET, WET_OPACITY.into()), "wet");
     }
     if runs.iter().any(|run| run.timeline().setting.line.is_some()) {
-        add(LegendSign::Cell(LINE), "line of crews");
+        add(LegendSign::Cell(LINE), "line that holds");
+        add(LegendSign::Cell(LOST_LINE), "line that was lost");
     }
     entries
 }

@@ -9,8 +9,8 @@ use crate::Rgb;
 use crate::colours::{EXTINGUISHED, blend};
 use crate::film::RunView;
 use crate::film::field::ground::{
-    ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, OLD, OLD_AFTER_S,
-    WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
+    ArrivalLines, BURNED_OPACITY, CHAR, CellShades, EMBER, EMBERS, FLAMING, GLOWS_FOR_S, GroundView, LINE, LOST_LINE,
+    OLD, OLD_AFTER_S, WET, WET_OPACITY, YOUNG, YOUNG_FOR_S,
 };
 use wildfire_base::time::SimTime;
 
@@ -38,6 +38,7 @@ pub struct GroundData {
     wind: WindTable,
     /// When crews set out, in ascending order.
     crews_ms: Vec<u64>,
+    line: LineTable,
     colours: FireColours,
 }
 
@@ -63,6 +64,14 @@ struct WettingTable {
     cell: Vec<i64>,
     from_ms: Vec<i64>,
     lasts_ms: Vec<i64>,
+}
+
+/// Cells of line that crews have cleared, in order of time, and whether they hold.
+#[derive(Default, Serialize)]
+struct LineTable {
+    cell: Vec<i64>,
+    from_ms: Vec<i64>,
+    holds: Vec<u8>,
 }
 
 /// What embers lit, in order of time.
@@ -112,6 +121,8 @@ struct FireColours {
     put_out: Rgb,
     ember: Rgb,
     wet: Rgb,
+    line: Rgb,
+    lost_line: Rgb,
     wet_opacity: f32,
     burned_opacity: f64,
     young_for_s: f32,
@@ -139,13 +150,20 @@ impl GroundData {
         burnings.cell = differences(burnings.cell);
         burnings.ignited_ms = differences(burnings.ignited_ms);
         let mut wettings = WettingTable::default();
-        for wetting in index.wettings() {
+        for wetting in index.wettings().iter().filter(|wetting| wetting.until < SimTime::MAX) {
             wettings.cell.push(frame.index(wetting.cell) as i64);
             wettings.from_ms.push(millis(wetting.from));
             wettings.lasts_ms.push(millis(wetting.until) - millis(wetting.from));
         }
         wettings.cell = differences(wettings.cell);
         wettings.from_ms = differences(wettings.from_ms);
+        let mut line = LineTable::default();
+        for built in index.line_cells() {
+            line.cell.push(frame.index(built.cell) as i64);
+            line.from_ms.push(millis(built.from));
+            line.holds.push(built.holds.into());
+        }
+        line.from_ms = differences(line.from_ms);
         let mut spots = SpotTable::default();
         for &(time, at, from) in view.spotted() {
             spots.time_ms.push(millis(time));
@@ -172,6 +190,7 @@ impl GroundData {
             shades: shades_data(run),
             wind,
             crews_ms,
+            line,
             colours: FireColours {
                 young: YOUNG,
                 flaming: FLAMING,
@@ -181,6 +200,8 @@ impl GroundData {
                 put_out: blend(CHAR, EXTINGUISHED, 0.6),
                 ember: EMBER,
                 wet: WET,
+                line: LINE,
+                lost_line: LOST_LINE,
                 wet_opacity: WET_OPACITY,
                 burned_opacity: BURNED_OPACITY,
                 young_for_s: YOUNG_FOR_S,
