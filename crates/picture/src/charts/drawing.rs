@@ -42,6 +42,14 @@ impl Drawing {
         })
     }
 
+    /// All places of its marks.
+    pub fn points(&self) -> impl Iterator<Item = Point> {
+        self.marks.iter().flat_map(|mark| match mark {
+            DrawingMark::Area { corners: points, .. } | DrawingMark::Line { points, .. } => points.clone(),
+            DrawingMark::Text { at, .. } => vec![*at],
+        })
+    }
+
     pub fn area(&mut self, corners: Vec<Point>, colour: Rgb, opacity: f32) {
         self.marks.push(DrawingMark::Area { corners, colour, opacity });
     }
