@@ -50,12 +50,13 @@ pub fn draw_vehicle(title: &str, vehicle: &Dimensions) -> Drawing {
     let below_m = 0.5 * width_m + 2.4 * step;
     let centre = along(0.0, radius_m);
     let corners = [along(-rear_overhang_m, -below_m), along(front_m + 0.5 * length_m, -below_m), centre];
-    let corners = [corners[0], corners[1], corners[2], along(front_m + 0.6 * length_m, 0.0)];
-    let low = corners.into_iter().reduce(DVec2::min).unwrap_or_default();
-    let high = corners.into_iter().reduce(DVec2::max).unwrap_or_default();
+    let ends = [along(front_m + 0.6 * length_m, 0.0), along(-rear_overhang_m - 0.45 * length_m, 0.0)];
+    let corners = corners.into_iter().chain(ends);
+    let low = corners.clone().reduce(DVec2::min).unwrap_or_default();
+    let high = corners.reduce(DVec2::max).unwrap_or_default();
     let scale = f64::from(ROOM) / (high - low).max_element();
     let top = MARGIN + TITLE + MARGIN;
-    let origin = (MARGIN + to_f32(-low.x * scale), top + to_f32(high.y * scale));
+    let origin = (2.0 * MARGIN + to_f32(-low.x * scale), top + to_f32(high.y * scale));
     let height = (top + to_f32((high.y - low.y) * scale) + MARGIN).max(top + 240.0);
     let mut sketch = VehicleSketch { drawing: Drawing::new(WIDTH, height, title), origin, scale };
     sketch.drawing.text(title, (MARGIN, MARGIN + TITLE), Align::Left, TITLE, INK);
