@@ -226,7 +226,7 @@ pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<Exi
         LoadedScenario::open(&arguments.scenario.source, &context.with_custom_names(&arguments.scenario.overrides))?;
     let document = scenario::explain(&loaded, arguments.memory);
     let answer = CheckAnswer::new(&loaded, &document);
-    let files = Files { form: arguments.form, ..Files::default() }.writing([(Format::Drawing, &arguments.sketch)]);
+    let files = Files { form: arguments.form, ..Files::default() }.writing([(Format::Sketch, &arguments.sketch)]);
     files.check()?.print(&arguments.form.render_either(&answer, || document))?;
     if let Some(path) = &arguments.sketch {
         write_sketch(&loaded.scenario, path)?;

@@ -58,7 +58,8 @@ impl<'a> FollowedFires<'a> {
         for (bush, &piece) in setting.pieces.iter().enumerate() {
             pieces.entry(piece).or_default().push(bush);
         }
-        let (due, changed) = (BTreeSet::new(), BTreeSet::new());
+        let due = BTreeSet::new();
+        let changed = BTreeSet::new();
         Self { setting, rules: setting.rules.fire, bushes, due, looks: 0, pieces, changed, changed_at: SimTime::ZERO }
     }
 

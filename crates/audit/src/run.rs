@@ -376,14 +376,14 @@ mod tests {
             let setting = Setting { pieces: vec![7, 7], ..setting() };
             audit_timeline(&Timeline { setting, events, ground: Vec::new() }, SampleStep::default()).violation
         };
-        let lit = |time_s, cell| ignited(time_s, cell, Cause::Scheduled);
-        let both = vec![lit(1.0, NEAR), lit(1.0, FAR), burned_out(61.0, NEAR), burned_out(61.0, FAR)];
+        let scheduled = |time_s, cell| ignited(time_s, cell, Cause::Scheduled);
+        let both = vec![scheduled(1.0, NEAR), scheduled(1.0, FAR), burned_out(61.0, NEAR), burned_out(61.0, FAR)];
         assert_eq!(of_pieces(both.clone()), None);
-        let torn = of_pieces(vec![lit(1.0, NEAR), lit(2.0, FAR)]).expect("the other bush burns later");
+        let torn = of_pieces(vec![scheduled(1.0, NEAR), scheduled(2.0, FAR)]).expect("the other bush burns later");
         assert_eq!((torn.kind, torn.time), (ViolationKind::TornPiece { cell: FAR }, seconds(1.0)));
         // FAR is out of the truck's reach, but it goes out with NEAR.
         let mut stop = proper_run();
-        stop.insert(1, lit(0.5, FAR));
+        stop.insert(1, scheduled(0.5, FAR));
         stop.insert(4, at(9.0, Fact::Fire(FireFact::Extinguished { cell: FAR, by: TRUCK })));
         assert_eq!(of_pieces(stop.clone()), None);
         stop.remove(4);

@@ -93,8 +93,8 @@ impl Actor {
         let served_pieces = Vec::new();
         let stops_here = false;
         let refilled = SimTime::ZERO;
-        let (id, pose) = (start.id, start.pose);
-        Self { id, outline, pose, stands_since, served, served_pieces, stops_left, stops_here, refilled }
+        let pose = start.pose;
+        Self { id: start.id, outline, pose, stands_since, served, served_pieces, stops_left, stops_here, refilled }
     }
 
     fn follow(&mut self, setting: &Setting, event: &Event) -> Result<(), ViolationKind> {

@@ -79,6 +79,12 @@ fn along(ahead_m: f64, left_m: f64) -> DVec2 {
     DVec2::new(ahead_m * cos - left_m * sin, ahead_m * sin + left_m * cos)
 }
 
+/// Returns the place on a circle in a direction, in radians from east.
+fn on_circle(centre: DVec2, radius_m: f64, direction: f64) -> DVec2 {
+    let (sin, cos) = ops::sin_cos(direction);
+    centre + radius_m * DVec2::new(cos, sin)
+}
+
 fn metres(name: &str, length_m: f64) -> String {
     if name.is_empty() { format!("{} m", short(length_m)) } else { format!("{name} = {} m", short(length_m)) }
 }
@@ -111,7 +117,8 @@ impl VehicleSketch {
     fn draw_body(&mut self, steering: f64, vehicle: &Dimensions) {
         let &Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, .. } = vehicle;
         let side = 0.5 * width_m;
-        let (back, front) = (-rear_overhang_m, length_m - rear_overhang_m);
+        let back = -rear_overhang_m;
+        let front = length_m - rear_overhang_m;
         let outline = [(back, side), (front, side), (front, -side), (back, -side), (back, side)];
         self.line(&outline.map(|(ahead, left)| along(ahead, left)), 2.0, UNIMOG, &[]);
         let track = side - 0.5 * WHEEL_WIDTH * width_m;
@@ -157,12 +164,9 @@ impl VehicleSketch {
     }
 
     fn draw_arc(&mut self, centre: DVec2, radius_m: f64, [from, to]: [f64; 2], name: &str) {
-        let place = |share: f64, radius_m: f64| {
-            let (sin, cos) = ops::sin_cos(from + share * (to - from));
-            centre + radius_m * DVec2::new(cos, sin)
-        };
-        let arc: Vec<DVec2> = (0..=16).map(|step| place(f64::from(step) / 16.0, radius_m)).collect();
-        let (x, y) = self.at(place(0.5, radius_m + 12.0 / self.scale));
+        let arc: Vec<DVec2> =
+            (0..=16).map(|step| on_circle(centre, radius_m, from + f64::from(step) / 16.0 * (to - from))).collect();
+        let (x, y) = self.at(on_circle(centre, radius_m + 12.0 / self.scale, 0.5 * (from + to)));
         self.line(&arc, 1.2, INK, &[]);
         self.drawing.text(name, (x, y + 0.5 * TEXT), Align::Centre, TEXT, INK);
     }

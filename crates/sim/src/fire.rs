@@ -66,9 +66,9 @@ impl Pieces {
     /// already, since another has come there.
     fn followers(&self, field: &FireField, cell: Cell, state: BushStateKind) -> Vec<Cell> {
         let number = self.numbers.get(&field.frame().index(cell));
-        let cells = number.and_then(|number| self.cells.get(number)).map_or(&[][..], Vec::as_slice);
-        let others = || cells.iter().copied().filter(|&other| other != cell);
-        if others().any(|other| field.kind(other) == Some(state)) { Vec::new() } else { others().collect() }
+        let mut others = number.and_then(|number| self.cells.get(number)).cloned().unwrap_or_default();
+        others.retain(|&other| other != cell);
+        if others.iter().any(|&other| field.kind(other) == Some(state)) { Vec::new() } else { others }
     }
 }
 

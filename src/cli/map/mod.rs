@@ -64,6 +64,9 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     if let Some(query) = sweep::swept_query(computation) {
         let sweep = DescentSweep::new(computation, query, &map, cpu_read);
         let sweep = sweep.map_err(|problem| refused(&input.map, &problem))?;
+        if output.form.json && !quiet {
+            sweep.sentences().iter().for_each(|sentence| terminal::note(sentence));
+        }
         let printed = stream.print(&output.form.render(&sweep));
         let written = output_files::write_all(
             &[

@@ -80,6 +80,11 @@ impl<'a> DescentSweep<'a> {
         MapReport::new(self.computation, self.map, &self.descents[0].computed, self.cpu_read)
     }
 
+    /// Lists notes on the map and the question.
+    pub fn sentences(&self) -> Vec<String> {
+        self.first().map_sentences()
+    }
+
     fn table(&self) -> Table {
         let rows = self.descents.iter().map(SweptDescent::cells).collect();
         Table { text_columns: 3, ..Table::new(&["Q", "eta", "Answer", "Steps", "Length", "Local minimum"], rows) }
@@ -89,13 +94,10 @@ impl<'a> DescentSweep<'a> {
     pub fn write_csv(&self, path: &Path) -> io::Result<()> {
         let mut text = "q,eta,answer,steps,length,minimum_row,minimum_col\n".to_owned();
         for descent in &self.descents {
-            let (minimum_row, minimum_col) = descent
-                .walk()
-                .path
-                .minimum
-                .map_or_else(Default::default, |(row, col)| (row.to_string(), col.to_string()));
+            let minimum = descent.walk().path.minimum.map(|(row, col)| format!("{row},{col}"));
+            let minimum = minimum.unwrap_or_else(|| ",".to_owned());
             let [q, eta, answer, steps, length, _] = descent.cells().try_into().expect("six cells");
-            text += &format!("{q},{eta},{answer},{steps},{length},{minimum_row},{minimum_col}\n");
+            text += &format!("{q},{eta},{answer},{steps},{length},{minimum}\n");
         }
         write_whole(path, text.as_bytes())
     }

@@ -102,8 +102,10 @@ impl Terrain {
         }
         layout.fill(field.shapes.clone(), field.wanted_pieces(), &mut rng::stream(seed, "terrain"))?;
         let terrain = Self::from_occupied(field.frame(), layout.occupied);
-        let piece = |bush: &Cell| layout.pieces[(bush.row.into(), bush.col.into())];
-        let pieces = if scenario.fire.takes_pieces() { terrain.bushes.iter().map(piece).collect() } else { Vec::new() };
+        let mut pieces = Vec::new();
+        if scenario.fire.takes_pieces() {
+            pieces.extend(terrain.bushes.iter().map(|bush| layout.pieces[(bush.row.into(), bush.col.into())]));
+        }
         Ok(Self { pieces, ..terrain })
     }
 }
@@ -111,7 +113,6 @@ impl Terrain {
 /// Numbers bushes by the group that they join along sides, in the order of the first bush of each.
 fn joined_along_sides(terrain: &Terrain) -> Vec<u32> {
     let frame = terrain.frame;
-    let place = |cell: Cell| terrain.bushes.binary_search_by_key(&frame.index(cell), |&bush| frame.index(bush)).ok();
     let mut pieces: Vec<Option<u32>> = vec![None; terrain.bushes.len()];
     let mut count = 0;
     for first in 0..terrain.bushes.len() {
@@ -122,9 +123,12 @@ fn joined_along_sides(terrain: &Terrain) -> Vec<u32> {
         let mut front = vec![first];
         while let Some(bush) = front.pop() {
             let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)];
-            let around = sides.into_iter().filter_map(|(cols, rows)| frame.offset(terrain.bushes[bush], cols, rows));
-            for next in around.filter_map(place) {
-                if pieces[next].is_none() {
+            for (cols, rows) in sides {
+                let beside = frame.offset(terrain.bushes[bush], cols, rows).map(|cell| frame.index(cell));
+                let next = beside.map(|cell| terrain.bushes.binary_search_by_key(&cell, |&bush| frame.index(bush)));
+                if let Some(Ok(next)) = next
+                    && pieces[next].is_none()
+                {
                     pieces[next] = Some(count);
                     front.push(next);
                 }

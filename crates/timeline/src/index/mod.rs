@@ -206,7 +206,7 @@ impl<'a> RunIndex<'a> {
         for event in &self.timeline.events {
             let Fact::Agent(_, AgentFact::Searched { phase, graph }) = &event.fact else { continue };
             let edges = graph.edges.len();
-            if *phase != SearchPhase::Roadmap && largest.is_none_or(|(most, _)| edges > most) {
+            if *phase != SearchPhase::Roadmap && largest.is_none_or(|(max, _)| edges > max) {
                 largest = Some((edges, RecordedSearch { time: event.time, phase: *phase }));
             }
         }
