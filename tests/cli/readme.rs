@@ -418,6 +418,18 @@ fn pictures_are_drawn_by_commands_that_the_pages_show() {
 }
 
 #[test]
+fn every_figure_of_an_assignment_has_a_picture_of_a_command_on_its_page() {
+    let page = read("docs/your-assignment.md");
+    let commands: Vec<String> = blocks(&page).iter().flat_map(|block| block.lines.clone()).collect();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ") && line.contains("](")).collect();
+    assert!(rows.len() >= 40, "{} rows", rows.len());
+    for row in rows {
+        let picture = links(row).into_iter().find_map(|link| link.strip_prefix("../")).expect("a picture");
+        assert!(commands.iter().any(|command| command.contains(picture)), "{row}");
+    }
+}
+
+#[test]
 fn every_column_is_explained() {
     let page = read("docs/output-files.md");
     let runs = RUN_COLUMNS.iter().map(|column| column.name);
