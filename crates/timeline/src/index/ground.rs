@@ -386,7 +386,6 @@ mod tests {
             peak_burning: 6,
             reached_edge_s: Some(40.0),
             line: None,
-            pieces: Vec::new(),
         };
         assert_eq!(outcome, expected);
         assert_eq!(ground.wet_until(B, seconds(29.0)), None);
