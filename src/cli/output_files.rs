@@ -17,6 +17,8 @@ pub type Output<'a> = (Option<&'a Path>, &'a dyn Fn(&Path) -> io::Result<()>);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     Png,
+    /// A drawing of lines and text, in either of two formats.
+    Sketch,
     Gif,
     Mp4,
     Html,
@@ -39,6 +41,7 @@ impl Format {
     const fn name(self) -> &'static str {
         match self {
             Self::Png => "a PNG image",
+            Self::Sketch => "a drawing",
             Self::Gif => "a GIF",
             Self::Mp4 => "an MP4",
             Self::Html => "a page",
@@ -61,6 +64,7 @@ impl Format {
     const fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Png => &["png"],
+            Self::Sketch => &["svg", "png"],
             Self::Gif => &["gif"],
             Self::Mp4 => &["mp4"],
             Self::Html => &["html", "htm"],

@@ -26,7 +26,8 @@ pub struct PlayArguments {
     /// Playback speed in simulated seconds per second, from 0.1 to 1000.
     #[arg(long, value_name = "X", default_value_t = 10.0, allow_hyphen_values = true, value_parser = parse_speed)]
     speed: f64,
-    /// Start at this simulated time: seconds, `h:mm:ss`, or a share of the run as `50%`.
+    /// Start at this simulated time: seconds, `h:mm:ss`, a share of the run as `50%`, `first-fire`, `first-failure`,
+    /// `largest-search` or `end`.
     #[arg(long, value_name = "TIME", default_value = "0", allow_hyphen_values = true, value_parser = parse_moment)]
     at: Moment,
     /// Start paused.
@@ -56,7 +57,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     let seen: Vec<&RunView> = runs.iter().map(|(run, _)| run).collect();
     let config = ViewerConfig {
         options: look(&arguments.show, &seen)?,
-        start: time_within("--at", arguments.at, &seen, context.quiet),
+        start: time_within("--at", arguments.at, &seen, context.quiet)?,
         speed: arguments.speed,
         is_paused: arguments.paused,
         size: arguments.show.size.into(),
@@ -88,7 +89,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     let name = format!("wildfire-{}-seed-{}.html", file_name_of(runs[0].title()), setting.seed);
     let path = std::env::temp_dir().join(name);
     let options = look(&arguments.show, &runs)?;
-    let time = time_within("--at", arguments.at, &runs, context.quiet);
+    let time = time_within("--at", arguments.at, &runs, context.quiet)?;
     write_page(&FrameRequest { runs: &runs, time, options: &options }, &path)?;
     terminal::print(&format!("{}\n", path.display()))?;
     if !open_in_browser(&path) && !context.quiet {

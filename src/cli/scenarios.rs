@@ -16,7 +16,7 @@ use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::map::{NO_IMAGE, parse_tolerance};
 use crate::cli::numbers;
-use crate::cli::output_files::{Files, Format};
+use crate::cli::output_files::{Files, Format, note_written};
 use crate::cli::report::FormArguments;
 use crate::cli::terminal;
 use wildfire_base::document::number::percent;
@@ -24,10 +24,12 @@ use wildfire_base::document::{Block, Document};
 use wildfire_base::input_file::{self, is_standard_stream};
 use wildfire_base::ranges::number_text;
 use wildfire_base::untrusted::visible;
+use wildfire_base::whole_file::write_whole;
 use wildfire_batch::execute::Machines;
 use wildfire_batch::plan::{PLAN_TEMPLATE, PROGRAM_VERSION, plan_schema, rules_schema};
 use wildfire_batch::table::{TableOfRows, row_schema};
 use wildfire_grid::map_files::{self, MAX_BYTES, Reading, Tolerance};
+use wildfire_picture::draw_vehicle;
 use wildfire_scenario::{
     self as scenario, BUILT_IN, LoadedScenario, MemoryEstimate, MemoryLimit, Scenario, ScenarioText,
 };
@@ -130,6 +132,9 @@ pub struct CheckArguments {
     /// Memory limit to compare the estimate with [default: 2GB].
     #[arg(long, value_name = "SIZE", default_value_t, hide_default_value = true)]
     pub memory: MemoryLimit,
+    /// Draw the kinematic model of the first truck with its dimensions.
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    pub sketch: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -221,11 +226,28 @@ pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<Exi
         LoadedScenario::open(&arguments.scenario.source, &context.with_custom_names(&arguments.scenario.overrides))?;
     let document = scenario::explain(&loaded, arguments.memory);
     let answer = CheckAnswer::new(&loaded, &document);
-    terminal::print(&arguments.form.render_either(&answer, || document))?;
+    let files = Files { form: arguments.form, ..Files::default() }.writing([(Format::Sketch, &arguments.sketch)]);
+    files.check()?.print(&arguments.form.render_either(&answer, || document))?;
+    if let Some(path) = &arguments.sketch {
+        write_sketch(&loaded.scenario, path)?;
+        note_written(path, context.quiet);
+    }
     match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
         Ok(_) => Ok(ExitCode::SUCCESS),
         Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),
     }
+}
+
+/// Draws the first truck of a scenario.
+fn write_sketch(scenario: &Scenario, path: &Path) -> Result<(), CliError> {
+    let Some(truck) = scenario.unimog.first() else {
+        return Err(CliError::bad_input("--sketch: expected a scenario with a truck, and this one has none", None));
+    };
+    let title = format!("Kinematic model of unimog/0, {}", scenario.name);
+    let drawing = draw_vehicle(&title, &truck.vehicle);
+    let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let bytes = if is_png { drawing.paint().to_png() } else { drawing.to_svg().into_bytes() };
+    write_whole(path, &bytes).map_err(|error| CliError::unwritable(path, &error))
 }
 
 /// Lists the built-in scenarios, or prints the file of one.

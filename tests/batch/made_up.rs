@@ -53,6 +53,7 @@ fn made_up_timeline(seed: u64) -> Timeline {
             water: None,
             ground_shares: Vec::new(),
             line: None,
+            pieces: Vec::new(),
             agents: vec![
                 start(wumpus, 200.0, Body::Square { size_m: 3.0 }),
                 start(truck, 50.0, Body::Truck(wildfire::vehicle::Dimensions::default())),

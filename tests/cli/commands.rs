@@ -100,6 +100,22 @@ fn check_takes_changes_and_fits_a_terminal() {
 }
 
 #[test]
+fn check_draws_the_first_truck_with_its_dimensions() {
+    let story = Story::begin();
+    let longer = ["check", "contest", "--set", "unimog.vehicle.length_m=6.5", "--sketch", "truck.svg"];
+    story.tell(&longer).expect_code(0);
+    let svg = story.read("truck.svg");
+    assert!(svg.starts_with("<svg") && svg.contains("length = 6.5 m") && svg.contains("turning centre"), "{svg}");
+    story.tell(&["check", "contest", "--sketch", "truck.png"]).expect_code(0);
+    assert!(std::fs::read(story.path("truck.png")).expect("it was written").starts_with(b"\x89PNG"));
+    story
+        .tell(&["check", "wumpus-alone", "--sketch", "x.svg"])
+        .expect_code(2)
+        .expect_complaint(&["a scenario with a truck"]);
+    story.tell(&["check", "contest", "--sketch", "x.pdf"]).expect_code(2).expect_complaint(&[".svg or .png"]);
+}
+
+#[test]
 fn completions_are_scripts_of_their_shells() {
     let story = Story::begin();
     for (shell, mark) in

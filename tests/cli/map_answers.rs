@@ -182,6 +182,38 @@ fn descent_that_arrives_is_told_with_its_length() {
 }
 
 #[test]
+fn a_sweep_has_the_descents_of_its_pairs() {
+    let story = story();
+    let descend = "descend trap.txt --goal 2,5 --start 2,1";
+    let swept = object(&story, &format!("{descend} --q 1,5 --eta 0,15"));
+    let descents = swept["descents"].as_array().expect("a list");
+    let pairs = [(1.0, 0.0), (1.0, 15.0), (5.0, 0.0), (5.0, 15.0)];
+    assert_eq!(descents.len(), pairs.len());
+    for (descent, (q, eta)) in descents.iter().zip(pairs) {
+        let alone = object(&story, &format!("{descend} --q {q} --eta {eta}"));
+        for member in ["answer", "minimum", "steps", "length", "maximum"] {
+            assert_eq!(descent[member], alone[member], "{member} of {q}, {eta}");
+        }
+        assert_eq!((&descent["q"], &descent["eta"]), (&json!(q), &json!(eta)));
+    }
+    let rows = values(&story, &format!("{descend} --q 1,5 --eta 0,15"));
+    assert_eq!((rows.len(), rows[0].as_str()), (5, "q,eta,answer,steps,length,minimum_row,minimum_col"));
+    tell(&story, &format!("{descend} --q 1,5 --png sheet.png"));
+    assert_eq!(values(&story, "occupancy sheet.png"), values(&story, "occupancy trap.txt"), "the sheet is a map too");
+}
+
+#[test]
+fn values_in_cells_leave_the_map_as_it_is() {
+    let story = story();
+    tell(&story, "brushfire trap.txt --png bare.png");
+    tell(&story, "brushfire trap.txt --values --png written.png");
+    let sizes = ["bare.png", "written.png"].map(|name| image::image_dimensions(story.path(name)).expect("a picture"));
+    assert_eq!(sizes[0], sizes[1]);
+    assert_ne!(std::fs::read(story.path("bare.png")).ok(), std::fs::read(story.path("written.png")).ok());
+    assert_eq!(values(&story, "brushfire written.png"), values(&story, "brushfire trap.txt"));
+}
+
+#[test]
 fn map_without_obstacles_is_said_and_zero() {
     let story = story();
     for computation in ["brushfire", "brushfire --connectivity 4", "cost", "repulsion", "repulsion --true-distance"] {

@@ -286,6 +286,7 @@ hold! {
     weather_and_water: "docs/weather-and-water.md", pictures below 0;
     why: "docs/why.md", pictures below 0;
     words: "docs/words.md", pictures below 0;
+    your_assignment: "docs/your-assignment.md", pictures below 100_000;
 }
 
 #[test]
@@ -403,15 +404,33 @@ fn pictures_are_drawn_by_commands_that_the_pages_show() {
     let commands: Vec<_> = texts.iter().flat_map(|text| blocks(text)).flat_map(|block| block.commands()).collect();
     let drawn = |name: &&str| commands.iter().any(|command| command.contains(&format!("assets/pictures/{name}")));
     let others: Vec<_> = shown.iter().copied().filter(|name| !drawn(name)).collect();
-    // Planners of another library, areas of fires in a test, charts of a report on thousands of runs, and a browser with the
-    // page of a run.
-    assert_eq!(
-        others,
-        ["against-ompl.svg", "contain.svg", "distributions.png", "page.png", "states-over-time.png", "sweep.png"]
-    );
+    // Planners of another library, areas of fires in a test, charts of a report on thousands of runs, measured times, and a
+    // browser with the page of a run.
+    let expected = [
+        "against-ompl.svg",
+        "contain.svg",
+        "distributions.png",
+        "figure-cpu-sums.svg",
+        "page.png",
+        "states-over-time.png",
+        "sweep.png",
+    ];
+    assert_eq!(others, expected);
     let stored = fs::read_dir(root().join("assets/pictures")).expect("the pictures are there");
     let stored = stored.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
     assert_eq!(stored.collect::<BTreeSet<_>>(), shown.iter().map(|name| (*name).to_owned()).collect());
+}
+
+#[test]
+fn every_figure_of_an_assignment_has_a_picture_of_a_command_on_its_page() {
+    let page = read("docs/your-assignment.md");
+    let commands: Vec<String> = blocks(&page).iter().flat_map(|block| block.lines.clone()).collect();
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| ") && line.contains("](")).collect();
+    assert!(rows.len() >= 40, "{} rows", rows.len());
+    for row in rows {
+        let picture = links(row).into_iter().find_map(|link| link.strip_prefix("../")).expect("a picture");
+        assert!(commands.iter().any(|command| command.contains(picture)), "{row}");
+    }
 }
 
 #[test]

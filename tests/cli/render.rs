@@ -173,13 +173,32 @@ fn recording_has_its_own_seed_and_values() {
 }
 
 #[test]
+fn events_are_moments_of_a_still() {
+    let story = Story::begin();
+    story.tell(&["run", "smoke", "--seed", "7", "--out", "run.wildfire"]).expect_code(0);
+    let still = |at: &[&str], out: &str| {
+        render(&story, &[&["smoke", "--seed", "7", "-o", out], at].concat()).expect_code(0);
+        fs::read(story.path(out)).expect("it was written")
+    };
+    assert!(still(&["--at", "end"], "end.png") == still(&[], "default.png"));
+    let search = still(&["--at", "largest-search"], "search.png");
+    assert!(search != still(&["--at", "end", "--layers", "wumpus-search"], "other.png"));
+    let fire = still(&["--at", "first-fire"], "fire.png");
+    assert!(fire != still(&["--at", "0"], "start.png") && fire != still(&["--at", "end"], "end.png"));
+    let none = ["render", "run.wildfire", "--at", "largest-search", "-o", "x.png"];
+    refuse(&story, &none, &["--at largest-search: the recording has no searches", "--record-searches"]);
+}
+
+#[test]
 fn looks_that_make_no_sense_are_refused() {
     let story = Story::begin();
     let late = story.tell(&["render", "smoke", "--at", "1000000", "-o", "late.png"]).expect_code(0);
     assert!(late.stderr.contains("--at is 1000000.000 s, but the run ends at"), "{}", late.stderr);
-    let refused: [(&[&str], &[&str]); 19] = [
+    let refused: [(&[&str], &[&str]); 21] = [
         (&["--at=-1"], &["--at", "at least 0"]),
-        (&["--at", "nan"], &["--at", "seconds"]),
+        (&["--at", "nan"], &["--at", "seconds", "first-fire, first-failure, largest-search, end"]),
+        (&["--at", "first-failure"], &["--at first-failure: every plan of this run succeeds"]),
+        (&["--at", "first-fire", "--set", "wumpus=[]"], &["--at first-fire: nothing burns in this run"]),
         (&["--size", "100x100"], &["--size", "8192x8192"]),
         (&["--size", "1000000x1000000"], &["--size", "8192x8192"]),
         (&["--layers", "roads"], &["--layers", "wumpus-search"]),

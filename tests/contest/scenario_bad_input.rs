@@ -237,6 +237,7 @@ fn numbers_that_cannot_be_are_refused() {
         ("[unimog]", "hybrid = { shortcuts = 1000001 }", 24, "a number from 0 to 1000000"),
         ("[unimog]", "lattice = { max_expansions = 0 }", 30, "a number from 1 to 100000000"),
         ("[ignition]", "at_s = -1\nrandom = 1", 8, "`ignition.0.at_s` is -1"),
+        ("[ignition]", "every_s = 0.5\nrandom = 1\nat_s = 1", 11, "`ignition.0.every_s` is 0.5"),
         ("[ignition]", "random = 0\nat_s = 1", 10, "`ignition.0.random` is 0"),
         ("[ignition]", "cells = [[1, 2], [50, 3]]\nat_s = 1", 18, "`ignition.0.cells.1` is (50, 3)"),
         (

@@ -1,18 +1,20 @@
 //! Laws of the simulation: the same seed gives the same facts however the time is cut, events of one instant have
 //! their order, bodies move without jumps, and no two trucks go for one fire.
 
+use std::collections::BTreeMap;
+
 use rand::RngExt;
 use wildfire::geometry::Cell;
 use wildfire::planning::PlanFailure;
 use wildfire::rng;
 use wildfire::scenario::{
-    Escape, Extinguishes, Ignition, IgnitionCells, Limits, Retarget, Scenario, SpreadFrom, StartPose, TruckGoal,
-    Unimog, Wumpus, WumpusGoal, WumpusPlanner,
+    Escape, Extinguishes, FireUnit, Ignition, IgnitionCells, Limits, Retarget, Scenario, SpreadFrom, StartPose,
+    TruckGoal, Unimog, Wumpus, WumpusGoal, WumpusPlanner,
 };
 use wildfire::sim::{self, Simulation};
 use wildfire::time::SimTime;
 use wildfire::timeline::{
-    AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, Outcome, RestReason, Role, Timeline,
+    AgentFact, AgentId, Cause, EndReason, Event, Fact, FireFact, Outcome, RestReason, Role, Timeline, file,
 };
 
 /// The contest with nobody on the field.
@@ -26,7 +28,7 @@ fn contest() -> Scenario {
 
 /// One truck, and so many random ignitions a minute apart.
 fn ignitions(count: usize) -> Scenario {
-    let ignition = |k| Ignition { at_s: 60.0 * k as f64, cells: IgnitionCells::Random(1) };
+    let ignition = |k| Ignition { at_s: 60.0 * k as f64, every_s: None, cells: IgnitionCells::Random(1) };
     let mut scenario = Scenario { unimog: vec![Unimog::default()], ..empty_contest() };
     scenario.ignition = (0..count).map(ignition).collect();
     scenario.fire.spread_from = SpreadFrom::None;
@@ -45,7 +47,7 @@ fn variety() -> Vec<(&'static str, Scenario)> {
         limits: Limits { acceleration_mps2: Some(2.0), braking_mps2: Some(4.0), lateral_mps2: Some(3.0) },
         ..Unimog::default()
     });
-    crowd.ignition = vec![Ignition { at_s: 5.0, cells: IgnitionCells::Random(3) }];
+    crowd.ignition = vec![Ignition { at_s: 5.0, every_s: None, cells: IgnitionCells::Random(3) }];
     crowd.suppression.extinguishes = Extinguishes::AllInReach;
     crowd.fire.spread_from = SpreadFrom::All;
 
@@ -64,7 +66,13 @@ fn variety() -> Vec<(&'static str, Scenario)> {
     descents.wumpus[1].seconds_per_expansion = 0.1;
     descents.wumpus.push(Wumpus { planner: WumpusPlanner::Wavefront, ..Wumpus::default() });
 
-    vec![("contest", contest()), ("crowd", crowd), ("thinkers", thinkers), ("descents", descents)]
+    let mut pieces = contest();
+    pieces.fire.unit = FireUnit::Piece;
+    pieces.fire.relight = true;
+    pieces.ignition = vec![Ignition { at_s: 30.0, every_s: Some(45.0), cells: IgnitionCells::Random(2) }];
+    pieces.duration_s = 1200.0;
+
+    vec![("contest", contest()), ("crowd", crowd), ("thinkers", thinkers), ("descents", descents), ("pieces", pieces)]
 }
 
 fn run(scenario: &Scenario, seed: u64) -> Timeline {
@@ -82,6 +90,47 @@ fn assert_same(a: &Timeline, b: &Timeline, name: &str) {
     }
     assert_eq!(a.events.len(), b.events.len(), "{name}");
     assert!(a.setting == b.setting, "{name}");
+}
+
+#[test]
+fn whole_pieces_are_in_one_state_whenever_an_instant_is_over() {
+    let scenario = variety().pop().expect("the last one is of pieces").1;
+    let timeline = run(&scenario, 4);
+    let setting = &timeline.setting;
+    assert_eq!(setting.pieces.len(), setting.bushes.len());
+    assert!(file::decode(&file::encode(&timeline).expect("it is a run")).expect("just written") == timeline);
+    let mut extinguished = 0;
+    for instant in timeline.events.chunk_by(|one, next| one.time == next.time) {
+        let mut counts: BTreeMap<_, [usize; 3]> = BTreeMap::new();
+        for event in instant {
+            let Fact::Fire(fact) = event.fact else { continue };
+            let [ignited, extinguished, burned_out] = counts.entry(setting.piece(fact.cell())).or_default();
+            *match fact {
+                FireFact::Ignited { .. } => ignited,
+                FireFact::Extinguished { .. } => extinguished,
+                FireFact::BurnedOut { .. } => burned_out,
+            } += 1;
+        }
+        assert!(counts.values().flatten().all(|count| count % 4 == 0), "{counts:?}");
+        extinguished += counts.values().map(|[_, extinguished, _]| extinguished / 4).sum::<usize>();
+    }
+    assert!(extinguished >= 3, "{extinguished} pieces went out");
+}
+
+#[test]
+fn an_ignition_repeats_to_the_end_of_the_run() {
+    let mut scenario = empty_contest();
+    scenario.duration_s = 100.0;
+    scenario.fire.spread_from = SpreadFrom::None;
+    scenario.ignition = vec![Ignition { at_s: 10.0, every_s: Some(30.0), cells: IgnitionCells::Random(1) }];
+    let timeline = run(&scenario, 1);
+    let lit = timeline.events.iter().filter(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
+    assert_eq!(lit.map(|event| event.time.as_seconds()).collect::<Vec<_>>(), [10.0, 40.0, 70.0, 100.0]);
+    let mut shorter = scenario.clone();
+    shorter.duration_s = 80.0;
+    let is_before = |event: &&Event| event.time < SimTime::from_seconds(80.0);
+    let events = timeline.events.iter().filter(is_before);
+    assert!(events.eq(run(&shorter, 1).events.iter().filter(is_before)), "what comes later changes nothing before");
 }
 
 #[test]

@@ -71,7 +71,8 @@ fn drill(map: &str, cell_m: f64, trucks: &[(Dimensions, Pose)], fires: &[(f64, C
         ..Unimog::default()
     };
     scenario.unimog = trucks.iter().map(truck).collect();
-    let ignition = |&(at_s, cell): &(f64, Cell)| Ignition { at_s, cells: IgnitionCells::Cells(vec![cell]) };
+    let ignition =
+        |&(at_s, cell): &(f64, Cell)| Ignition { at_s, every_s: None, cells: IgnitionCells::Cells(vec![cell]) };
     scenario.ignition = fires.iter().map(ignition).collect();
     scenario
 }

@@ -1,6 +1,6 @@
 //! The fires of a run: only what can burn catches fire, only what burns goes out, and fire keeps to its rules.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::tolerance::SAME_POSE;
 use super::{Violation, ViolationKind};
@@ -28,8 +28,10 @@ pub fn audit_fires(timeline: &Timeline) -> Result<(), Violation> {
     let mut fires = FollowedFires::new(&timeline.setting);
     for event in &timeline.events {
         fires.pass(event.time)?;
+        fires.check_pieces(event.time)?;
         fires.record(event)?;
     }
+    fires.check_pieces(timeline.end_time() + SimTime::from_nanos(1))?;
     // What is due exactly at the end happens.
     fires.pass(timeline.end_time() + SimTime::from_nanos(1))
 }
@@ -42,12 +44,23 @@ struct FollowedFires<'a> {
     /// When, which bushes spread or burn out by themselves if they burn still.
     due: BTreeSet<(SimTime, usize)>,
     looks: u64,
+    /// The bushes of each piece, where fire takes whole pieces.
+    pieces: BTreeMap<u32, Vec<usize>>,
+    /// The pieces that changed at the time of the last fact of fire.
+    changed: BTreeSet<u32>,
+    changed_at: SimTime,
 }
 
 impl<'a> FollowedFires<'a> {
     fn new(setting: &'a Setting) -> Self {
         let bushes = vec![Bush::Intact; setting.bushes.len()];
-        Self { setting, rules: setting.rules.fire, bushes, due: BTreeSet::new(), looks: 0 }
+        let mut pieces: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (bush, &piece) in setting.pieces.iter().enumerate() {
+            pieces.entry(piece).or_default().push(bush);
+        }
+        let due = BTreeSet::new();
+        let changed = BTreeSet::new();
+        Self { setting, rules: setting.rules.fire, bushes, due, looks: 0, pieces, changed, changed_at: SimTime::ZERO }
     }
 
     fn record(&mut self, event: &Event) -> Result<(), Violation> {
@@ -63,6 +76,26 @@ impl<'a> FollowedFires<'a> {
             (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
         };
         self.bushes[index] = change.map_err(violation)?;
+        self.changed.extend(self.setting.pieces.get(index));
+        self.changed_at = event.time;
+        Ok(())
+    }
+
+    /// Before a later time all bushes of a piece are in one state again.
+    fn check_pieces(&mut self, until: SimTime) -> Result<(), Violation> {
+        if until <= self.changed_at {
+            return Ok(());
+        }
+        for piece in std::mem::take(&mut self.changed) {
+            let [first, rest @ ..] = self.pieces[&piece].as_slice() else { continue };
+            let state = std::mem::discriminant(&self.bushes[*first]);
+            if let Some(&other) = rest.iter().find(|&&bush| std::mem::discriminant(&self.bushes[bush]) != state) {
+                let cell = self.setting.bushes[other];
+                let place = self.setting.frame.centre(cell);
+                let kind = ViolationKind::TornPiece { cell };
+                return Err(Violation { time: self.changed_at, agent: None, place, kind });
+            }
+        }
         Ok(())
     }
 
@@ -94,7 +127,10 @@ impl<'a> FollowedFires<'a> {
         if !spreads || since + rules.spread_delay != time {
             return Err(ViolationKind::NoSource { cell, from });
         }
-        let metres = self.metres(cell, from);
+        // Fire that comes to a bush of a piece takes all of it.
+        let piece = self.setting.piece(cell).and_then(|piece| self.pieces.get(&piece));
+        let cells = piece.into_iter().flatten().map(|&bush| self.setting.bushes[bush]);
+        let metres = cells.map(|other| self.metres(other, from)).fold(self.metres(cell, from), f64::min);
         let radius_m = rules.spread_radius_m;
         let is_near = metres <= radius_m + SAME_POSE;
         if is_near { Ok(()) } else { Err(ViolationKind::TooFarToSpread { cell, from, metres, radius_m }) }

@@ -174,6 +174,7 @@ mod tests {
             water: None,
             ground_shares: Vec::new(),
             line: None,
+            pieces: Vec::new(),
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
             rules: Rules {
                 duration: seconds(100.0),
@@ -367,6 +368,27 @@ mod tests {
         );
         wide.events.push(spread(60.0));
         assert_eq!(audit_timeline(&wide, SampleStep::default()).violation, None);
+    }
+
+    #[test]
+    fn pieces_burn_and_go_out_as_a_whole() {
+        let of_pieces = |events| {
+            let setting = Setting { pieces: vec![7, 7], ..setting() };
+            audit_timeline(&Timeline { setting, events, ground: Vec::new() }, SampleStep::default()).violation
+        };
+        let scheduled = |time_s, cell| ignited(time_s, cell, Cause::Scheduled);
+        let both = vec![scheduled(1.0, NEAR), scheduled(1.0, FAR), burned_out(61.0, NEAR), burned_out(61.0, FAR)];
+        assert_eq!(of_pieces(both.clone()), None);
+        let torn = of_pieces(vec![scheduled(1.0, NEAR), scheduled(2.0, FAR)]).expect("the other bush burns later");
+        assert_eq!((torn.kind, torn.time), (ViolationKind::TornPiece { cell: FAR }, seconds(1.0)));
+        // FAR is out of the truck's reach, but it goes out with NEAR.
+        let mut stop = proper_run();
+        stop.insert(1, scheduled(0.5, FAR));
+        stop.insert(4, at(9.0, Fact::Fire(FireFact::Extinguished { cell: FAR, by: TRUCK })));
+        assert_eq!(of_pieces(stop.clone()), None);
+        stop.remove(4);
+        let left = of_pieces(stop).expect("half of the piece burns on");
+        assert_eq!(left.kind, ViolationKind::TornPiece { cell: FAR });
     }
 
     #[test]

@@ -406,6 +406,7 @@ mod tests {
             water: None,
             ground_shares: Vec::new(),
             line: None,
+            pieces: Vec::new(),
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: wildfire_base::geometry::Pose::new(20.0, 20.0, 0.0),

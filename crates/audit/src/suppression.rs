@@ -18,6 +18,8 @@ struct Actor {
     stands_since: SimTime,
     /// When this truck's last fire went out.
     served: Option<SimTime>,
+    /// The pieces of which a bush went out then, where they go out as a whole.
+    served_pieces: Vec<u32>,
     /// The stops that its tank suffices for; `None` where water does not matter.
     stops_left: Option<u32>,
     /// Whether it has begun a stop where it stands, and put out nothing yet.
@@ -88,9 +90,11 @@ impl Actor {
         let stands_since = SimTime::ZERO;
         let stops_left = setting.water.as_ref().map(|water| water.full_tank);
         let served = None;
+        let served_pieces = Vec::new();
         let stops_here = false;
         let refilled = SimTime::ZERO;
-        Self { id: start.id, outline, pose: start.pose, stands_since, served, stops_left, stops_here, refilled }
+        let pose = start.pose;
+        Self { id: start.id, outline, pose, stands_since, served, served_pieces, stops_left, stops_here, refilled }
     }
 
     fn follow(&mut self, setting: &Setting, event: &Event) -> Result<(), ViolationKind> {
@@ -141,6 +145,14 @@ impl Actor {
             return Err(ViolationKind::WrongAgent);
         }
         let rules = &setting.rules;
+        let piece = setting.piece(cell);
+        if self.served != Some(time) {
+            self.served_pieces.clear();
+        }
+        // With the first bush of a piece, which obeys all rules, the others go out wherever they are.
+        if piece.is_some_and(|piece| self.served_pieces.contains(&piece)) {
+            return Ok(());
+        }
         if self.is_same_stop(rules.suppression_dwell, time) && rules.extinguishes_all == Some(false) {
             return Err(ViolationKind::SecondFire { cell });
         }
@@ -150,6 +162,7 @@ impl Actor {
             return Err(ViolationKind::EmptyTank);
         }
         self.served = Some(time);
+        self.served_pieces.extend(piece);
         match self.beyond_reach(setting, cell) {
             Some((metres, reach_m)) => Err(ViolationKind::OutOfReach { cell, metres, reach_m }),
             None => Ok(()),

@@ -106,6 +106,10 @@ pub enum ViolationKind {
         metres: f64,
         radius_m: f64,
     },
+    /// A bush stayed as it was while another of its piece caught fire or went out, where pieces do so as a whole.
+    TornPiece {
+        cell: Cell,
+    },
     /// A bush in the radius of one that spreads stayed as it was.
     SparedBySpread {
         cell: Cell,
@@ -260,6 +264,9 @@ impl fmt::Display for ViolationKind {
                     f,
                     "cell {cell} catches fire from cell {from}, {metres:.3} m away where {radius_m} m is the limit"
                 )
+            }
+            Self::TornPiece { cell } => {
+                write!(f, "cell {cell} stays as it was while others of its piece change, which they do together")
             }
             Self::SparedBySpread { cell, from } => {
                 write!(f, "cell {cell} does not catch fire from cell {from}, which spreads it there")

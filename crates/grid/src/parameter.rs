@@ -26,7 +26,7 @@ impl BadParameter {
         Self::unless(found > 0.0 && found <= LARGEST, name, "a number above 0 and up to 1e100", found)
     }
 
-    pub(super) fn unless(is_good: bool, name: &'static str, expected: &'static str, found: f64) -> Result<(), Self> {
+    pub fn unless(is_good: bool, name: &'static str, expected: &'static str, found: f64) -> Result<(), Self> {
         if is_good { Ok(()) } else { Err(Self { name, expected, found }) }
     }
 }

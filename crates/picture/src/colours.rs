@@ -15,6 +15,8 @@ pub enum ColourMap {
     Viridis,
     /// The rainbow of older MATLAB, as the reports used it.
     Jet,
+    /// From blue over teal and green to yellow, evenly lighter: much like newer MATLAB's parula, whose numbers are not free.
+    BlueYellow,
 }
 
 pub const PAPER: Rgb = [255, 255, 255];
@@ -79,6 +81,7 @@ impl ColourMap {
         match self {
             Self::Viridis => VIRIDIS.eval_continuous(fraction).into_array(),
             Self::Jet => jet(fraction),
+            Self::BlueYellow => between(&BLUE_YELLOW, fraction),
         }
     }
 }
@@ -87,6 +90,33 @@ impl ColourMap {
 /// green and red follow a quarter apart ("colormap", MATLAB Reference).
 fn jet(fraction: f64) -> Rgb {
     [3.0, 2.0, 1.0].map(|centre: f64| channel(255.0 * (1.5 - (4.0 * fraction - centre).abs()).clamp(0.0, 1.0)))
+}
+
+/// Colours of evenly rising lightness, 0.38 to 0.95 in Oklab (B. Ottosson, "A perceptual color space for image processing",
+/// 2020), while the hue goes from 272 to 104 degrees, as strong as screens show them.
+const BLUE_YELLOW: [Rgb; 9] = [
+    [39, 42, 165],
+    [7, 72, 194],
+    [0, 109, 184],
+    [0, 139, 177],
+    [39, 167, 168],
+    [70, 195, 154],
+    [137, 215, 120],
+    [212, 227, 84],
+    [255, 243, 116],
+];
+
+/// The colour at a fraction of the way along some colours, each as far from the next.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it lies within the list")]
+fn between(colours: &[Rgb], fraction: f64) -> Rgb {
+    let place = fraction.clamp(0.0, 1.0) * (colours.len() - 1) as f64;
+    let first = (place as usize).min(colours.len() - 2);
+    blend(colours[first], colours[first + 1], place - first as f64)
+}
+
+/// Returns the lightness of a colour as eyes weigh its channels, 0 to 255 (ITU-R BT.601).
+pub fn lightness([red, green, blue]: Rgb) -> f64 {
+    0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }
 
 /// `over` at an opacity of `share`, 0 to 1, on `under`.
@@ -118,7 +148,7 @@ mod tests {
 
     #[test]
     fn no_value_has_the_colour_of_what_has_none() {
-        for map in [ColourMap::Viridis, ColourMap::Jet] {
+        for map in [ColourMap::Viridis, ColourMap::Jet, ColourMap::BlueYellow] {
             for step in 0..=1000 {
                 let [red, green, blue] = map.colour(f64::from(step) / 1000.0);
                 let min = red.min(green).min(blue);
@@ -126,6 +156,14 @@ mod tests {
                 assert!(max - min > 30, "{map:?} is grey at {step}: {red}, {green}, {blue}");
             }
         }
+    }
+
+    #[test]
+    fn what_is_higher_is_lighter_from_blue_to_yellow() {
+        let colours = (0..=1000).map(|step| ColourMap::BlueYellow.colour(f64::from(step) / 1000.0));
+        let lightness: Vec<f64> = colours.map(lightness).collect();
+        assert!(lightness.windows(2).all(|pair| pair[0] <= pair[1] + 1.0), "by rounding at most");
+        assert!(lightness[0] < 70.0 && lightness[1000] > 220.0);
     }
 
     #[test]

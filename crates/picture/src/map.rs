@@ -4,13 +4,13 @@
 //! drawn more than 1000 pixels long, texts and marks grow with it.
 
 use crate::canvas::{Canvas, Ink, Point};
-use crate::colours::{EDGE, FAINT_INK, INK, OBSTACLE, PAPER, Rgb, SWEPT, WITHOUT_VALUE, ZONES, blend};
+use crate::colours::{EDGE, FAINT_INK, INK, OBSTACLE, PAPER, Rgb, SWEPT, WITHOUT_VALUE, ZONES, blend, lightness};
 use crate::legend::{Bar, Legend, Symbol, TEXT};
 use crate::marks;
 use crate::marks::{scene_marks, to_f32};
 use crate::png::Picture;
 use crate::scene::{MapScene, Spot, Zones};
-use crate::text::{Align, draw_text, measure_text};
+use crate::text::{Align, draw_text, draw_text_on, measure_text};
 use crate::thin_line::draw_line;
 use crate::ticks::indices;
 use crate::values::ValueScale;
@@ -21,9 +21,12 @@ use wildfire_grid::Grid;
 ///
 /// Colours span the finite values of free cells. Small maps are drawn larger by a whole factor, to about 800 pixels;
 /// maps of more than 4096 cells a side smaller by a whole factor: a pixel is then an obstacle if any of its cells is
-/// one, else it shows their highest value. A picture takes up to about 100 MB of memory while it is drawn.
+/// one, else it shows their highest value. A picture takes up to about 100 MB of memory while it is drawn. Where cells have
+/// texts, they are large enough to be read.
 pub fn draw_map(scene: &MapScene) -> Picture {
-    draw_map_with(scene, Zoom::fit(scene.occupied.rows(), scene.occupied.cols()))
+    let zoom = Zoom::fit(scene.occupied.rows(), scene.occupied.cols());
+    let min = if scene.texts.is_some() { SMALLEST_WRITTEN } else { 1 };
+    draw_map_with(scene, Zoom { pixels: zoom.pixels.max(min), ..zoom })
 }
 
 /// The same with the map drawn at about 480 pixels, at most 1000, for pages with many maps.
@@ -37,7 +40,10 @@ fn draw_map_with(scene: &MapScene, zoom: Zoom) -> Picture {
     let mut plate = Plate::with_zoom(scene, &legend, zoom);
     plate.paint(&|block| block_colour(scene, block, block.face(scene), scale.as_ref()));
     plate.enlarge_jumps(scale.as_ref());
-    plate.mark();
+    plate.draw_edges(scene.edges.len());
+    plate.draw_path();
+    plate.write_texts(&|block| block_colour(scene, block, block.face(scene), scale.as_ref()));
+    plate.draw_marks();
     plate.finish()
 }
 
@@ -90,8 +96,12 @@ const GAP: f32 = 12.0;
 const OVERHANG: f32 = 10.0;
 /// The side of a cell at which a jump ended, at least, in pixels.
 const SMALLEST_JUMP: f32 = 4.0;
+/// The side of a cell in which a text is written, at least, in pixels.
+const SMALLEST_WRITTEN: usize = 26;
 /// More edges than these hide the map.
 const MANY_EDGES: usize = 1000;
+/// The lightness above which a cell has dark letters.
+const LIGHT: f64 = 120.0;
 /// The longer side of a map from which on texts grow with it, in pixels.
 const USUAL_LENGTH: f32 = 1000.0;
 
@@ -144,6 +154,20 @@ impl<'a> Plate<'a> {
         let mut plate = Self { scene, zoom, unit, corner: (left, top), canvas };
         plate.draw_numbers(width, height);
         plate
+    }
+
+    /// The map alone, with the room that its marks take, on a sheet of its own.
+    pub fn alone(scene: &'a MapScene<'a>, zoom: Zoom) -> Self {
+        let width = zoom.length(scene.occupied.cols()) as f32;
+        let height = zoom.length(scene.occupied.rows()) as f32;
+        let mut canvas = Canvas::sized(width + 2.0 * OVERHANG, height + 2.0 * OVERHANG, PAPER);
+        canvas.fill_rect(OVERHANG - 1.0, OVERHANG - 1.0, width + 2.0, height + 2.0, FAINT_INK);
+        Self { scene, zoom, unit: 1.0, corner: (OVERHANG, OVERHANG), canvas }
+    }
+
+    /// Copies the sheet to a place of another one, in pixels.
+    pub fn copy_onto(&self, canvas: &mut Canvas, (left, top): Point) {
+        canvas.copy_from(&self.canvas, (whole(left) as u32, whole(top) as u32));
     }
 
     fn draw_numbers(&mut self, width: f32, height: f32) {
@@ -219,13 +243,43 @@ impl<'a> Plate<'a> {
     }
 
     pub fn draw_path(&mut self) {
-        let cell = self.zoom.cell();
-        let path: Vec<Point> = if self.scene.track.is_empty() {
-            marks::corners(self.scene.path).into_iter().map(|place| self.centre(place)).collect()
+        if self.scene.track.is_empty() {
+            let corners = marks::corners(self.scene.path);
+            let path: Vec<Point> = corners.into_iter().map(|place| self.centre(place)).collect();
+            self.draw_path_over(&path);
         } else {
-            self.scene.track.iter().map(|&spot| self.spot(spot)).collect()
-        };
-        marks::draw_path(&mut self.canvas, &path, (0.2 * cell).clamp(1.8 * self.unit, 5.0 * self.unit));
+            self.draw_track(self.scene.track);
+        }
+    }
+
+    /// Draws a path through points.
+    pub fn draw_track(&mut self, track: &[Spot]) {
+        let path: Vec<Point> = track.iter().map(|&spot| self.spot(spot)).collect();
+        self.draw_path_over(&path);
+    }
+
+    fn draw_path_over(&mut self, path: &[Point]) {
+        let width = (0.2 * self.zoom.cell()).clamp(1.8 * self.unit, 5.0 * self.unit);
+        marks::draw_path(&mut self.canvas, path, width);
+    }
+
+    /// Writes the texts of cells, all in the size that the widest of them allows, with an edge of the cell's colour that lifts
+    /// them off a path; a cell with a mark has none.
+    fn write_texts(&mut self, colour: &dyn Fn(&DrawnBlock) -> Rgb) {
+        let Some(texts) = self.scene.texts else { return };
+        let marked: Vec<_> = scene_marks(self.scene).map(|(_, place)| place).collect();
+        let places = self.scene.places().filter(|place| !marked.contains(place));
+        let written: Vec<_> = places.filter_map(|place| Some((place, texts(place)?))).collect();
+        let widest = written.iter().map(|(_, text)| measure_text(text, 1.0)).fold(1.0, f32::max);
+        let cell = self.zoom.cell();
+        let height = (0.84 * cell / widest).min(0.34 * cell);
+        for (place, text) in &written {
+            let (x, y) = self.centre(*place);
+            let size = (self.scene.occupied.rows(), self.scene.occupied.cols());
+            let ground = colour(&self.zoom.block(place.0, place.1, size));
+            let ink = if lightness(ground) > LIGHT { INK } else { PAPER };
+            draw_text_on(&mut self.canvas, text, (x, y + 0.5 * height), Align::Centre, height, ink, ground);
+        }
     }
 
     pub fn draw_marks(&mut self) {

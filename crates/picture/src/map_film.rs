@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::gif_film::{ColourCounts, GifFilm};
 use crate::legend::Legend;
 use crate::map::{Plate, bar, face_colour, key};
-use crate::scene::MapScene;
+use crate::scene::{MapScene, Spot};
 use crate::zoom::{BlockFace, Zoom};
 use wildfire_grid::Place;
 
@@ -16,6 +16,16 @@ pub struct MapGrowth<'a> {
     pub steps: usize,
     /// The step in which a cell gets its value, from 0; `None` if it never does.
     pub step_of: &'a dyn Fn(Place) -> Option<usize>,
+    /// The paths that were there before the last step, in order; each is shown until the next one.
+    pub paths: &'a [GrownPath],
+}
+
+/// A path that a growing tree has for a while.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GrownPath {
+    /// The number of steps after which it is there.
+    pub steps: usize,
+    pub track: Vec<Spot>,
 }
 
 /// The most frames before the last one, which shows the path.
@@ -50,6 +60,8 @@ pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::
         plate.draw_edges(done.min(scene.edges.len()));
         if frame == last {
             plate.draw_path();
+        } else if let Some(path) = growth.paths.iter().rfind(|path| path.steps <= done) {
+            plate.draw_track(&path.track);
         }
         plate.draw_marks();
         plate

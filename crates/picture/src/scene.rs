@@ -40,6 +40,8 @@ pub struct MapScene<'a> {
     /// Cells that a search jumped through: those without a value have a colour of their own in pictures from above, and
     /// what has a value, the ends of jumps, is drawn as large as can be seen.
     pub swept: Option<&'a Grid<bool>>,
+    /// The text of a cell, of maps that are few cells wide; pictures from above show it.
+    pub texts: Option<&'a dyn Fn(Place) -> Option<String>>,
     pub start: Option<Place>,
     pub goal: Option<Place>,
     /// The local minimum that a descent came to a halt in.
@@ -82,6 +84,7 @@ impl<'a> MapScene<'a> {
             track: &[],
             edges: &[],
             swept: None,
+            texts: None,
             start: None,
             goal: None,
             stuck: None,
@@ -108,8 +111,13 @@ impl<'a> MapScene<'a> {
         if self.free_name.is_some() {
             return None;
         }
+        ValueScale::from_values(self.free_values(), self.colours)
+    }
+
+    /// Iterates over the values of free cells.
+    pub(super) fn free_values(&self) -> impl Iterator<Item = f64> {
         let free = self.places().filter(|&place| !self.occupied[place]);
-        ValueScale::from_values(free.filter_map(|place| self.value_at(place)), self.colours)
+        free.filter_map(|place| self.value_at(place))
     }
 
     pub(super) fn has_obstacles(&self) -> bool {

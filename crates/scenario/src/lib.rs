@@ -27,7 +27,7 @@ pub use keys::agents::MemoryPart;
 pub use keys::alexandridis::AlexandridisSettings;
 pub use keys::dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
 pub use keys::field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
-pub use keys::fire::{Fire, FireModelName, SpreadFrom};
+pub use keys::fire::{Fire, FireModelName, FireUnit, SpreadFrom};
 pub use keys::goal::{LinePolicy, TruckGoal, WumpusGoal, is_built_in_policy};
 pub use keys::ground_speed::GroundKinds;
 pub use keys::learned::{HIDDEN, Learned};

@@ -3,14 +3,15 @@
 //! Whatever is to become of a bush, or of the ground, goes through the queue as a [`CellEvent`]. [`change_cells`] carries
 //! them out until one concerns an agent, who then acts before the next cell changes.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 
-use wildfire_base::geometry::Cell;
+use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_fire::{FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
+use wildfire_fire::{BushStateKind, FireChange, FireEvent, FireField, FireModel, Spread, SpreadBy};
 use wildfire_timeline::{Cause, FireFact, GroundEvent, GroundFact};
 
 use super::line::plan_line;
@@ -38,14 +39,49 @@ impl Plugin for FirePlugin {
 pub struct Fires {
     pub field: FireField,
     pub model: Box<dyn FireModel>,
+    /// The bushes that catch fire and go out together; nothing where each does by itself.
+    pub pieces: Pieces,
+}
+
+/// Bushes by the pieces that they belong to. All bushes of a piece are in one state whenever an instant is over.
+#[derive(Clone, Debug, Default)]
+pub struct Pieces {
+    cells: Arc<BTreeMap<u32, Vec<Cell>>>,
+    /// The number of each bush's piece, by cell index.
+    numbers: Arc<BTreeMap<usize, u32>>,
+}
+
+impl Pieces {
+    /// Sorts bushes by the numbers of their pieces, which are as many, or none.
+    pub fn new(frame: &FieldFrame, bushes: &[Cell], numbers: &[u32]) -> Self {
+        let mut cells: BTreeMap<u32, Vec<Cell>> = BTreeMap::new();
+        for (&bush, &number) in bushes.iter().zip(numbers) {
+            cells.entry(number).or_default().push(bush);
+        }
+        let numbers = bushes.iter().map(|&bush| frame.index(bush)).zip(numbers.iter().copied()).collect();
+        Self { cells: Arc::new(cells), numbers: Arc::new(numbers) }
+    }
+
+    /// Returns the other cells of a piece that is now to follow one of them into a state; none if they are on their way
+    /// already, since another has come there.
+    fn followers(&self, field: &FireField, cell: Cell, state: BushStateKind) -> Vec<Cell> {
+        let number = self.numbers.get(&field.frame().index(cell));
+        let mut others = number.and_then(|number| self.cells.get(number)).cloned().unwrap_or_default();
+        others.retain(|&other| other != cell);
+        if others.iter().any(|&other| field.kind(other) == Some(state)) { Vec::new() } else { others }
+    }
 }
 
 /// The ignitions that the scenario schedules.
 #[derive(Resource, Clone, Debug)]
 pub struct Ignitions {
     pub entries: Vec<ScheduledIgnition>,
-    /// The number of ignitions still to come.
+    /// For each entry the time after which it repeats, if it does.
+    pub every: Vec<Option<SimTime>>,
+    /// The number of entries that light something still; one that repeats does to the end.
     pub pending: usize,
+    /// No ignition repeats after this time.
+    pub end: SimTime,
 }
 
 /// The cells of a scheduled ignition.
@@ -58,6 +94,11 @@ pub enum ScheduledIgnition {
 }
 
 impl Ignitions {
+    /// Returns when an ignition that is due now is due again, if it is within the run.
+    fn next_time(&self, number: usize, now: SimTime) -> Option<SimTime> {
+        self.every[number].map(|every| now + every).filter(|&next| next <= self.end)
+    }
+
     /// Returns the cells that an ignition lights.
     fn cells(&self, number: usize, fires: &FireField) -> Vec<Cell> {
         match &self.entries[number] {
@@ -87,7 +128,7 @@ fn dry(clock: Res<SimClock>, mut queue: ResMut<SimQueue>) {
 
 /// Sets on fire what the model says that the fire has come to.
 fn spread(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, mut fires: ResMut<Fires>) {
-    let Fires { field, model } = &mut *fires;
+    let Fires { field, model, .. } = &mut *fires;
     while let Some(Due::Fire(FireEvent::Arrival(arrival))) = queue.take(clock.0, Rank::Spread) {
         let mut expected = Vec::new();
         for Spread { cell, from, by } in model.arrive(field, clock.0, arrival, &mut expected) {
@@ -110,7 +151,10 @@ fn light_scheduled(
 ) {
     while let Some(&Due::Scheduled(number)) = queue.next(clock.0) {
         queue.drop_next();
-        scheduled.pending -= 1;
+        match scheduled.next_time(number, clock.0) {
+            Some(next) => queue.push(next, Due::Scheduled(number)),
+            None => scheduled.pending -= 1,
+        }
         for cell in scheduled.cells(number, &fires.field) {
             queue.push(clock.0, Due::Cell(CellEvent::Ignite { cell, cause: Cause::Scheduled }));
         }
@@ -127,13 +171,14 @@ fn change_cells(
     listeners: WakeTargets,
 ) {
     let now = clock.0;
-    let Fires { field, model } = &mut *fires;
+    let Fires { field, model, pieces } = &mut *fires;
     while let Some(Due::Cell(event)) = queue.take(now, Rank::Change) {
         let change = change_cell(field, now, event);
         if change.is_some() || matches!(event, CellEvent::Clear { holds: false, .. }) {
             record(&mut recorder, now, event, field);
         }
         let Some(change) = change else { continue };
+        take_whole_piece(&mut queue, now, event, field, pieces);
         needs.iter_mut().for_each(|needs| needs.follow(event, now, field));
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
@@ -141,6 +186,24 @@ fn change_cells(
         if listeners.notify(change, now, field, &mut queue) {
             return;
         }
+    }
+}
+
+/// Has the rest of a piece catch fire, or go out, with a bush that just did.
+fn take_whole_piece(queue: &mut SimQueue, now: SimTime, event: CellEvent, field: &FireField, pieces: &Pieces) {
+    match event {
+        CellEvent::Ignite { cell, cause } => {
+            for cell in pieces.followers(field, cell, BushStateKind::Burning) {
+                queue.push(now, Due::Cell(CellEvent::Ignite { cell, cause }));
+            }
+        }
+        CellEvent::Extinguish { cell, by } => {
+            for cell in pieces.followers(field, cell, BushStateKind::Extinguished) {
+                queue.push(now, Due::Cell(CellEvent::Extinguish { cell, by }));
+            }
+        }
+        // The bushes of a piece that caught fire together burn out together.
+        CellEvent::BurnOut { .. } | CellEvent::Wet { .. } | CellEvent::Dry { .. } | CellEvent::Clear { .. } => {}
     }
 }
 

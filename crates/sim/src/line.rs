@@ -238,7 +238,7 @@ pub fn plan_line(
 
 /// Lets a copy of the fire burn on by itself.
 fn forecast(fires: &Fires, queue: &SimQueue, until: SimTime, seed: u64) -> Forecast {
-    let Fires { mut field, mut model } = fires.clone();
+    let Fires { mut field, mut model, .. } = fires.clone();
     let mut queue = queue.clone();
     // Crews must not know where embers will fall: the forecast draws other numbers.
     model.reseed(rng::key(seed, "line/forecast"));

@@ -23,7 +23,7 @@ use wildfire_timeline::{
 };
 
 use super::agent::{AgentOrder, SpawnContext};
-use super::fire::{Fires, Ignitions, ScheduledIgnition};
+use super::fire::{Fires, Ignitions, Pieces, ScheduledIgnition};
 use super::options::{RunError, RunOptions};
 use super::policies::{NamedPolicy, Policies, PolicyContext, PolicySet, RuleContext, dispatch};
 use super::queue::{Due, SimClock, SimQueue};
@@ -57,6 +57,7 @@ pub fn fill(
             Some(spread) => spread.model(seed),
             None => Box::new(Radius::new(&terrain.frame, scenario.fire.rules())),
         },
+        pieces: Pieces::new(&terrain.frame, &terrain.bushes, &terrain.pieces),
     });
     world.insert_resource(ignitions(scenario, &terrain, seed));
     let mut queue = SimQueue::default();
@@ -223,6 +224,7 @@ fn setting(
         water: water_rules(scenario),
         ground_shares: ground_shares(scenario),
         line: line_rules(scenario),
+        pieces: terrain.pieces.clone(),
         agents,
         rules: Rules {
             duration: SimTime::from_seconds(scenario.duration_s),
@@ -258,5 +260,10 @@ fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
             }
         })
         .collect();
-    Ignitions { pending: entries.len(), entries }
+    Ignitions {
+        pending: entries.len(),
+        entries,
+        every: scenario.ignition.iter().map(|entry| entry.every_s.map(SimTime::from_seconds)).collect(),
+        end: SimTime::from_seconds(scenario.duration_s),
+    }
 }

@@ -37,12 +37,13 @@ const MAX_EXAMINED: usize = 1 << 24;
 
 /// Returns the number of bushes that burn out or burn at the end, at least, whatever the trucks of this run do: if all is lit
 /// where and when it was. `None` where only another rule than that of the radius says how fire goes on, where what was put out
-/// can burn again, or where a recording does not say what trucks can do.
+/// can burn again, where fire takes whole pieces, or where a recording does not say what trucks can do.
 pub fn min_loss(timeline: &Timeline) -> Option<u32> {
     let setting = &timeline.setting;
     // Where fire may come again a fire that is put out is not over, and the bound would not hold.
     let fire = setting.rules.fire.filter(|fire| !fire.reignition)?;
-    if setting.spread.is_some() || setting.rules.reignition {
+    // A stop that saves a whole piece saves more than the bound counts.
+    if setting.spread.is_some() || setting.rules.reignition || !setting.pieces.is_empty() {
         return None;
     }
     let trucks = setting.agents.iter().filter(|agent| agent.id.role == Role::Unimog).map(|start| {

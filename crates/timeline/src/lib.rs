@@ -26,8 +26,8 @@ pub use burn_map::{BurnMap, FireBehavior, Front};
 pub use cpu::{CpuHistory, CpuSample};
 pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
 pub use index::{
-    AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, LineCell, RunIndex, SpreadMoment,
-    SuppressionSpan, Wetting,
+    AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, LineCell, RecordedSearch, RunIndex,
+    SpreadMoment, SuppressionSpan, Wetting,
 };
 pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, LineOutcome, Outcome, Winner};
 pub use progress::Activity;

@@ -96,6 +96,7 @@ pub fn small_setting(agents: &[AgentId]) -> Setting {
         water: None,
         ground_shares: Vec::new(),
         line: None,
+        pieces: Vec::new(),
         agents: agents.iter().map(start).collect(),
         rules: Rules {
             duration: seconds(100.0),

@@ -193,9 +193,16 @@ pub struct Setting {
     pub ground_shares: Vec<(AgentId, Vec<f64>)>,
     /// Crews that build line; `None` where there are none.
     pub line: Option<LineRules>,
+    /// The number of the piece of each bush, where whole pieces catch fire and go out together; else nothing.
+    pub pieces: Vec<u32>,
 }
 
 impl Setting {
+    /// Returns the number of a bush's piece; `None` where each bush burns by itself.
+    pub fn piece(&self, cell: Cell) -> Option<u32> {
+        self.pieces.get(self.bush_index(cell)?).copied()
+    }
+
     /// Returns true if the cell is ground that burns: its fuel does, and it has no bush.
     pub fn is_ground(&self, cell: Cell) -> bool {
         let burns = |number| FuelModel::by_number(number).is_some_and(FuelModel::burns);

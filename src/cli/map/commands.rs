@@ -145,10 +145,14 @@ Example:
     #[command(aliases = ["gradient-descent"], after_help = "\
 Each step leads to the lowest neighbour if it is strictly lower; ties go to the \
 first in W N E S NW NE SE SW. Obstacles are not entered. The descent ends at the \
-goal or in a local minimum, which is reported. The values are those of `wildfire map total`.
+goal or in a local minimum, which is reported. The values are those of `wildfire map total`. \
+Several values of --q or --eta give a table of all pairs; then --png draws a sheet \
+of small maps and --csv writes the table.
 
 Examples:
   wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2
+  wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
+    --q 5,10,15 --eta 10,15,20 --png sweep.png
   wildfire map descend assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --escape wavefront")]
     Descend(fields::DescendArguments) = fields::descent;

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::cli::map::options::Neighbours;
 use crate::cli::map::traces::{GraphTrace, SearchTrace};
-use wildfire_base::document::number::{count, rounded};
+use wildfire_base::document::number::{count, rounded, short};
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_grid::descent::{Descent, Escape};
 use wildfire_grid::map_files::{MapValue, write_csv, write_npy};
@@ -213,6 +213,24 @@ impl Value {
     }
 }
 
+impl Value {
+    /// The value in at most three digits or its whole part, as a cell has room for; nothing where it is infinite.
+    pub fn to_cell_text(self) -> Option<String> {
+        match self {
+            Self::Whole(value) => Some(value.to_string()),
+            Self::Real(value) if !value.is_finite() => None,
+            Self::Real(value) => {
+                let steps = match value.abs() {
+                    size if size >= 99.95 => 1.0,
+                    size if size >= 9.995 => 10.0,
+                    _ => 100.0,
+                };
+                Some(short((value * steps).round() / steps))
+            }
+        }
+    }
+}
+
 /// The answer to the question for a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -223,6 +241,18 @@ pub enum WalkResult {
     StartOccupied,
     /// The samples were used up.
     NotFound,
+}
+
+impl WalkResult {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::Unreachable => "unreachable",
+            Self::Stuck => "stuck",
+            Self::StartOccupied => "start-occupied",
+            Self::NotFound => "not-found",
+        }
+    }
 }
 
 /// A path and its ends.

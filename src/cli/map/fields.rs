@@ -11,7 +11,7 @@ use crate::cli::map::computed::{
     title_with_neighbours,
 };
 use crate::cli::map::options::{
-    CornerArguments, GoalArguments, NeighbourArguments, choices, parse_number, parse_place,
+    CornerArguments, GoalArguments, NeighbourArguments, Numbers, choices, parse_number, parse_numbers, parse_place,
 };
 use crate::cli::numbers;
 use crate::cli::output_files::Format;
@@ -178,12 +178,18 @@ pub struct AttractionOptions {
 
 #[derive(Debug, Args, Serialize)]
 pub struct RepulsionOptions {
-    /// The brushfire value beyond which there is no repulsion.
-    #[arg(long, default_value_t = 5.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub q: f64,
-    /// Strength of the repulsion.
-    #[arg(long, default_value_t = 15.0, allow_hyphen_values = true, value_parser = parse_number)]
-    pub eta: f64,
+    /// The brushfire value beyond which there is no repulsion; `descend` tries several values.
+    #[arg(long, value_name = "Q[,Q...]", default_value = "5", allow_hyphen_values = true, value_parser = parse_numbers)]
+    pub q: Numbers,
+    /// Strength of the repulsion; `descend` tries several values.
+    #[arg(
+        long,
+        value_name = "ETA[,ETA...]",
+        default_value = "15",
+        allow_hyphen_values = true,
+        value_parser = parse_numbers
+    )]
+    pub eta: Numbers,
     /// Use the distance, as textbooks do: brushfire value - 1, obstacles infinitely high.
     #[arg(long)]
     pub true_distance: bool,
@@ -263,20 +269,24 @@ impl ArgumentGroup for AttractionArguments {
 
 impl ArgumentGroup for RepulsionArguments {
     fn check(&self) -> Result<(), BadParameter> {
-        self.repulsion.law().check()
+        self.repulsion.check_single()
     }
 }
 
 impl ArgumentGroup for FieldArguments {
     fn check(&self) -> Result<(), BadParameter> {
         self.attraction.check()?;
-        self.repulsion.law().check()
+        self.repulsion.check_single()
     }
 }
 
 impl ArgumentGroup for DescendArguments {
     fn check(&self) -> Result<(), BadParameter> {
-        self.field.check()
+        self.field.attraction.check()?;
+        let laws = self.laws();
+        let fits = laws.len() <= MAX_DESCENTS;
+        BadParameter::unless(fits, "the number of pairs of --q and --eta", "at most 64", laws.len() as f64)?;
+        laws.iter().try_for_each(potential::Repulsion::check)
     }
 
     fn has_start(&self) -> bool {
@@ -298,15 +308,48 @@ impl AttractionOptions {
 }
 
 impl RepulsionOptions {
+    /// Returns the first law, which is the only one of all commands but `descend`.
     pub fn law(&self) -> potential::Repulsion {
+        self.laws()[0]
+    }
+
+    /// Lists all pairs of values, row by row: every eta for the first Q, then for the next.
+    fn laws(&self) -> Vec<potential::Repulsion> {
         let distance = if self.true_distance {
             potential::RepulsionDistance::True
         } else {
             potential::RepulsionDistance::Brushfire
         };
-        potential::Repulsion { q: self.q, eta: self.eta, distance }
+        let mut laws = Vec::new();
+        for &q in &self.q.0 {
+            laws.extend(self.eta.0.iter().map(|&eta| potential::Repulsion { q, eta, distance }));
+        }
+        laws
+    }
+
+    /// Accepts a single law in its ranges.
+    fn check_single(&self) -> Result<(), BadParameter> {
+        let values = self.q.0.len().max(self.eta.0.len());
+        let is_single = values == 1;
+        BadParameter::unless(
+            is_single,
+            "the number of values of --q or --eta",
+            "1, except of `descend`",
+            values as f64,
+        )?;
+        self.law().check()
     }
 }
+
+impl DescendArguments {
+    /// Lists the laws of repulsion to try, row by row: every eta for the first Q, then for the next.
+    pub fn laws(&self) -> Vec<potential::Repulsion> {
+        self.field.repulsion.laws()
+    }
+}
+
+/// The most descents that one command tries.
+const MAX_DESCENTS: usize = 64;
 
 fn parse_distance(text: &str) -> Result<u16, String> {
     numbers::parse(text).ok_or_else(|| format!("expected a distance in cells, a whole number from 1 to {}", u16::MAX))
@@ -425,17 +468,27 @@ pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Comput
     let goal = arguments.goal.goal;
     check_inside("goal", occupied, goal)?;
     let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
-    let values = timed(|| MapValues::Reals(total_field(occupied, arguments)));
+    let law = arguments.repulsion.law();
+    let values = timed(|| MapValues::Reals(total_field(occupied, arguments, &law)));
     Ok(Computed { goal: Some(goal), ..Computed::new(title, "potential", values) })
 }
 
-fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments) -> Grid<f64> {
+fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments, law: &potential::Repulsion) -> Grid<f64> {
     let brushfire = brushfire_or_zero(occupied, arguments.neighbours.connectivity.into());
     let attraction = attraction_field(occupied, arguments.goal.goal, &arguments.attraction);
-    potential::total(attraction, &brushfire, &arguments.repulsion.law())
+    potential::total(attraction, &brushfire, law)
 }
 
 pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, MapInputError> {
+    descent_with(occupied, arguments, &arguments.field.repulsion.law())
+}
+
+/// Descends the field of one of the laws of repulsion.
+pub fn descent_with(
+    occupied: &Grid<bool>,
+    arguments: &DescendArguments,
+    law: &potential::Repulsion,
+) -> Result<Computed, MapInputError> {
     let start = arguments.start;
     let goal = arguments.field.goal.goal;
     let neighbours = arguments.field.neighbours.connectivity;
@@ -443,7 +496,7 @@ pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Co
     let corners = arguments.corners.rule();
     check_free("goal", occupied, goal)?;
     check_inside("start", occupied, start)?;
-    let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field));
+    let (field, cpu_map) = timed(|| total_field(occupied, &arguments.field, law));
     let (walk, cpu_path) = timed(|| {
         let path = match arguments.escape {
             None => descend(&field, occupied, start, goal, connectivity, corners).map(MapPath::from),

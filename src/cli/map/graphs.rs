@@ -20,6 +20,7 @@ use wildfire_grid::sampling::{
 };
 use wildfire_grid::segment::GridPoint;
 use wildfire_grid::{Grid, Place};
+use wildfire_picture::GrownPath;
 
 /// Files that only trees and roadmaps are written to.
 #[derive(Debug, Default, Args)]
@@ -235,7 +236,12 @@ fn answer<E: std::fmt::Debug>(
         is_any_angle: true,
         minimum: None,
     };
-    let trace = GraphTrace { cost: graph.cost, samples: graph.samples, vertices: graph.points.len(), edges };
+    let earlier = graph.earlier.iter().map(|earlier| GrownPath {
+        steps: earlier.edges,
+        track: earlier.path.iter().map(|point| point.coordinates()).collect(),
+    });
+    let earlier = earlier.collect();
+    let trace = GraphTrace { cost: graph.cost, samples: graph.samples, vertices: graph.points.len(), edges, earlier };
     Ok(Computed {
         bare: NoData::Infinite("no point"),
         goal: Some(goal),

@@ -9,6 +9,7 @@ mod options;
 mod page;
 mod report;
 mod searches;
+mod sweep;
 mod timing;
 mod traces;
 
@@ -24,12 +25,13 @@ use commands::Computation;
 use computed::{MapInputError, timed};
 use page::MapPageArguments;
 use report::{MapReport, with_scene, write_film};
+use sweep::DescentSweep;
 use timing::TimingArguments;
 
 use crate::cli::error::CliError;
 use crate::cli::output_files::{self, Files, ReportStream};
 use crate::cli::terminal;
-use wildfire_grid::map_files::write_path;
+use wildfire_grid::map_files::{MapFile, write_path};
 use wildfire_picture::{MapScene, Picture, draw_map, draw_overlay, draw_surface};
 
 #[derive(Debug, Subcommand)]
@@ -58,6 +60,23 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     let output = &computation.files().output;
     let (map, cpu_read) = timed(|| input.reading.read(&input.map));
     let map = map?;
+    check_values(computation, &map)?;
+    if let Some(query) = sweep::swept_query(computation) {
+        let sweep = DescentSweep::new(computation, query, &map, cpu_read);
+        let sweep = sweep.map_err(|problem| refused(&input.map, &problem))?;
+        if output.form.json && !quiet {
+            sweep.sentences().iter().for_each(|sentence| terminal::note(sentence));
+        }
+        let printed = stream.print(&output.form.render(&sweep));
+        let written = output_files::write_all(
+            &[
+                (output.csv.as_deref(), &|path| sweep.write_csv(path)),
+                (output.png.as_deref(), &|path| sweep.draw().with_map(&map.occupied).write_png(path)),
+            ],
+            quiet,
+        );
+        return printed.and(written);
+    }
     let computed = computation.compute(&map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
     if output.form.json && !quiet {
@@ -74,12 +93,31 @@ fn refused(map: &Path, problem: &MapInputError) -> CliError {
     CliError::bad_input(format_args!("{}: {problem}", map.display()), problem.help().as_deref())
 }
 
+/// The longest side of a map whose values are written into its cells.
+const MAX_WRITTEN: usize = 60;
+
+/// Refuses values in the cells of a map that is too large for them.
+fn check_values(computation: &Computation, map: &MapFile) -> Result<(), CliError> {
+    let cols = map.occupied.cols();
+    let rows = map.occupied.rows();
+    if !computation.files().output.values || cols.max(rows) <= MAX_WRITTEN {
+        return Ok(());
+    }
+    let file = computation.files().input.map.display();
+    let sentence =
+        format!("--values: {file} has {cols} columns and {rows} rows; expected at most {MAX_WRITTEN} of each");
+    Err(CliError::bad_input(sentence, Some("--resize COLSxROWS makes a map smaller")))
+}
+
 /// Checks what can be checked before anything is computed, and returns where the words go.
 fn check_files(computation: &Computation) -> Result<ReportStream, CliError> {
     let files = computation.files();
     if files.output.path.is_some() && !computation.parameters().has_start() {
         let help = "wavefront, descend, voronoi and all searches find a path from --start";
         return Err(CliError::bad_input("--path needs --start: without a start there is no path to write", Some(help)));
+    }
+    if let Some(query) = sweep::swept_query(computation) {
+        sweep::check_outputs(query)?;
     }
     let inputs = vec![files.input.map.as_path()];
     Files { inputs, form: files.output.form, ..Files::default() }
@@ -144,7 +182,6 @@ mod tests {
     use crate::cli::command_lines::{check_message, drawn_args, parsed};
     use crate::cli::fuzz::{Case, Fuzzer, Law, below, one_of};
     use wildfire_grid::Grid;
-    use wildfire_grid::map_files::MapFile;
 
     #[test]
     fn maps_take_any_parameters() {

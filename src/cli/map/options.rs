@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgGroup, Args};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::cli::error::CliError;
 use crate::cli::map::commands::ArgumentGroup;
@@ -19,17 +19,17 @@ use wildfire_picture::ColourMap;
 /// Makes the values of options from their names, `Name { Value, Value }`; with `for Type` they are values of that type of
 /// an algorithm.
 macro_rules! choices {
-    ($name:ident { $($value:ident),* } $($more:tt)*) => {
+    ($name:ident { $($(#[$meta:meta])* $value:ident),* } $($more:tt)*) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
         #[serde(rename_all = "kebab-case")]
         pub enum $name {
-            $($value),*
+            $($(#[$meta])* $value),*
         }
 
         choices! { $($more)* }
     };
-    ($name:ident for $of_algorithm:ty { $($value:ident),* } $($more:tt)*) => {
-        choices! { $name { $($value),* } $($more)* }
+    ($name:ident for $of_algorithm:ty { $($(#[$meta:meta])* $value:ident),* } $($more:tt)*) => {
+        choices! { $name { $($(#[$meta])* $value),* } $($more)* }
 
         impl From<$name> for $of_algorithm {
             fn from(name: $name) -> Self {
@@ -44,7 +44,7 @@ macro_rules! choices {
 pub(super) use choices;
 
 choices! {
-    Colours for ColourMap { Viridis, Jet }
+    Colours for ColourMap { Viridis, Jet, #[value(alias = "parula")] BlueYellow }
 }
 
 /// The map to read.
@@ -134,7 +134,10 @@ pub struct OutputArguments {
     /// Write the path, ROW,COLUMN per line from the start; an empty file without a path.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub path: Option<PathBuf>,
-    /// Colours of the pictures.
+    /// Write the value of every cell into it, on maps of at most 60 columns and rows.
+    #[arg(help_heading = "Output", long, requires = "png")]
+    pub values: bool,
+    /// Colours of the pictures; blue-yellow is much like MATLAB's parula, which is not free.
     #[arg(
         help_heading = "Output",
         long,
@@ -292,6 +295,24 @@ pub fn parse_number(text: &str) -> Result<f64, String> {
     numbers::parse(text).ok_or_else(|| "expected a number".to_owned())
 }
 
+/// One number, or several that are tried in turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers(pub Vec<f64>);
+
+impl Serialize for Numbers {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0.as_slice() {
+            [one] => one.serialize(serializer),
+            several => several.serialize(serializer),
+        }
+    }
+}
+
+pub fn parse_numbers(text: &str) -> Result<Numbers, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| numbers::parse(number.trim())).collect();
+    numbers.map(Numbers).ok_or_else(|| "expected a number, or several separated by commas, such as 5,10,15".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,6 +334,10 @@ mod tests {
         assert_eq!(parse_size("32767x1"), Ok(MapSize { cols: 32_767, rows: 1 }));
         for wrong in ["", "3", "3,4", "0x4", "3x-4", "32768x1", "20000x20000", "axb"] {
             assert!(parse_size(wrong).is_err_and(|expected| expected.contains("COLSxROWS")), "{wrong}");
+        }
+        assert_eq!(parse_numbers("5, 10,1.5"), Ok(Numbers(vec![5.0, 10.0, 1.5])));
+        for wrong in ["", "5,", "5;10", "a"] {
+            assert!(parse_numbers(wrong).is_err_and(|expected| expected.contains("commas")), "{wrong}");
         }
         assert!(parse_edge("32767").is_ok() && parse_edge("32768").is_err() && parse_edge("-1").is_err());
     }

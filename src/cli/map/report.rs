@@ -54,13 +54,18 @@ impl<'a> MapReport<'a> {
         self.computed.walk.as_ref().map(|walk| walk.path.cells.as_slice()).filter(|cells| !cells.is_empty())
     }
 
+    /// Lists notes on the map and the question.
+    pub fn map_sentences(&self) -> Vec<String> {
+        let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", visible(&self.path.to_string_lossy())));
+        notes.chain(self.oddities()).collect()
+    }
+
     /// Lists notes on the map, and the result of the walk.
     pub fn sentences(&self) -> Vec<String> {
-        let notes = self.map.notes.iter().map(|note| format!("{}: {note}.", visible(&self.path.to_string_lossy())));
         let walk = self.computed.walk.as_ref().map(MapWalk::sentence);
         let search = self.computed.search.as_ref().map(SearchTrace::sentence);
         let graph = self.computed.graph.as_ref().map(GraphTrace::sentence);
-        notes.chain(self.oddities()).chain(walk).chain(search).chain(graph).collect()
+        self.map_sentences().into_iter().chain(walk).chain(search).chain(graph).collect()
     }
 
     /// The title of pictures: the map and what was computed.
@@ -184,7 +189,8 @@ impl From<&MapReport<'_>> for Document {
     }
 }
 
-fn size(report: &MapReport) -> String {
+/// Describes the map: its file, size, and how much is occupied.
+pub fn size(report: &MapReport) -> String {
     let path = report.path.to_string_lossy();
     let path = visible(&path);
     let map = &report.map.occupied;
@@ -249,6 +255,7 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
     let value = |place| drawn_value(report, place);
     let title = report.title();
     let subtitle = report.parameters();
+    let text = |place| computed.values.at(place).to_cell_text();
     let bare = MapScene::new(&title, computed.value_name, &report.map.occupied, &value);
     let scene = MapScene {
         subtitle: &subtitle,
@@ -263,6 +270,7 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
         start: computed.walk.as_ref().map(|walk| walk.start),
         goal: computed.goal,
         stuck: computed.walk.as_ref().and_then(|walk| walk.path.minimum),
+        texts: report.computation.files().output.values.then_some(&text),
         colours: report.computation.files().output.colormap.into(),
         free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
         ..bare
@@ -323,7 +331,8 @@ pub fn write_film(report: &MapReport, path: &Path) -> io::Result<()> {
             values.len()
         }
     };
-    with_scene(report, |scene| write_map_film(scene, &MapGrowth { steps, step_of: &|place| order[place] }, path))
+    let paths = report.computed.graph.as_ref().map_or(&[][..], |graph| graph.earlier.as_slice());
+    with_scene(report, |scene| write_map_film(scene, &MapGrowth { steps, step_of: &|place| order[place], paths }, path))
 }
 
 fn safety_zone(occupied: &Grid<bool>, arguments: &CostArguments) -> Grid<bool> {

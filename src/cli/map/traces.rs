@@ -7,7 +7,7 @@ use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::whole_file::{WholeFile, write_whole};
 use wildfire_grid::map_files::MapValue;
 use wildfire_grid::{Grid, Place};
-use wildfire_picture::Spot;
+use wildfire_picture::{GrownPath, Spot};
 
 /// What a search did.
 #[derive(Debug)]
@@ -68,6 +68,8 @@ pub struct GraphTrace {
     pub vertices: usize,
     /// Ends of the edges, in the order in which they came.
     pub edges: Vec<[Spot; 2]>,
+    /// The paths of RRT* before its last.
+    pub earlier: Vec<GrownPath>,
 }
 
 impl GraphTrace {

@@ -15,8 +15,8 @@ use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::output_files::{self, Files, Format};
 use crate::cli::show::{
-    Moment, Searches, ShowArguments, ShownRun, check_grounds, look, parse_moment, parse_speed, shown_runs, time_within,
-    write_page,
+    Moment, RunEvent, Searches, ShowArguments, ShownRun, check_grounds, look, parse_moment, parse_speed, shown_runs,
+    time_within, write_page,
 };
 use wildfire_base::time::SimTime;
 use wildfire_picture::GifFilm;
@@ -35,6 +35,7 @@ Examples:
   wildfire render run.wildfire --page run.html
   wildfire render --with-set unimog.planner=hybrid-astar -o two.png --size 1400x900
   wildfire render --at 600 --follow unimog/0 --zoom 6 --layers local-search -o near.png
+  wildfire render report-2024 --at largest-search -o search.png
 
 No screen is needed. The same run gives the same pictures on every machine."
 )]
@@ -45,7 +46,7 @@ pub struct RenderArguments {
     #[arg(short, long, value_name = "FILE.png")]
     pub out: Option<PathBuf>,
     /// Simulated time of the still [default: the end of the run] or of the start of a page [default: 0]: seconds,
-    /// `h:mm:ss`, or a share of the run as `50%`.
+    /// `h:mm:ss`, a share of the run as `50%`, `first-fire`, `first-failure`, `largest-search` or `end`.
     #[arg(long, value_name = "TIME", requires = "moment", allow_hyphen_values = true, value_parser = parse_moment)]
     pub at: Option<Moment>,
     /// Write a film as GIF.
@@ -83,11 +84,17 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     check(arguments)?;
     let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
-    let scene = Scene { runs: &runs, options: look(&arguments.show, &runs)?, size: arguments.show.size.into() };
+    let mut options = look(&arguments.show, &runs)?;
+    if arguments.at == Some(Moment::Event(RunEvent::LargestSearch))
+        && let Some(search) = runs[0].index().largest_search()
+    {
+        options.layers = options.layers.with(Layer::for_phase(search.phase));
+    }
+    let scene = Scene { runs: &runs, options, size: arguments.show.size.into() };
     if arguments.page.is_some() {
         check_grounds(&runs)?;
     }
-    let at = arguments.at.map(|at| time_within("--at", at, &runs, quiet));
+    let at = arguments.at.map(|at| time_within("--at", at, &runs, quiet)).transpose()?;
     let moments = moments(arguments, &runs, quiet)?;
     if let Some(path) = &arguments.out {
         scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
@@ -125,8 +132,10 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
 }
 
 fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Vec<RunView>, CliError> {
+    let moments = [arguments.at, Some(arguments.from), arguments.to];
     // A page has the layers of searches to switch on, as the window has.
     let searches = if arguments.page.is_some()
+        || moments.contains(&Some(Moment::Event(RunEvent::LargestSearch)))
         || Layer::ALL.iter().any(|&layer| layer.needs_searches() && arguments.show.layers().contains(layer))
     {
         Searches::Recorded
@@ -139,8 +148,9 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
 }
 
 fn moments(arguments: &RenderArguments, runs: &[&RunView], quiet: bool) -> Result<Moments, CliError> {
-    let from = time_within("--from", arguments.from, runs, quiet);
-    let to = arguments.to.map_or_else(|| RunView::last_end(runs), |to| time_within("--to", to, runs, quiet));
+    let from = time_within("--from", arguments.from, runs, quiet)?;
+    let to = arguments.to.unwrap_or(Moment::Event(RunEvent::End));
+    let to = time_within("--to", to, runs, quiet)?;
     if from > to {
         let sentence = format!("--from is {from}; expected at most --to, {to}");
         return Err(CliError::bad_input(sentence, None));

@@ -239,15 +239,46 @@ pub enum Moment {
     Seconds(f64),
     /// A share of the run, from 0 to 1.
     Share(f64),
+    /// An event of the first run.
+    Event(RunEvent),
 }
 
-/// Reads seconds, `h:mm:ss`, or a share of the run as `50%`.
+/// An event that a moment may be named after.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunEvent {
+    FirstFire,
+    FirstFailure,
+    LargestSearch,
+    End,
+}
+
+impl RunEvent {
+    const ALL: [Self; 4] = [Self::FirstFire, Self::FirstFailure, Self::LargestSearch, Self::End];
+
+    /// Returns its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FirstFire => "first-fire",
+            Self::FirstFailure => "first-failure",
+            Self::LargestSearch => "largest-search",
+            Self::End => "end",
+        }
+    }
+}
+
+/// Reads seconds, `h:mm:ss`, a share of the run as `50%`, or the name of an event.
 pub fn parse_moment(text: &str) -> Result<Moment, String> {
+    if let Some(event) = RunEvent::ALL.into_iter().find(|event| event.name() == text.trim()) {
+        return Ok(Moment::Event(event));
+    }
     let moment = match text.trim().strip_suffix('%') {
         Some(percent) => numbers::within(percent, &(0.0..=100.0)).map(|percent| Moment::Share(percent / 100.0)),
         None => numbers::parse_time(text).filter(|time| time.is_finite() && *time >= 0.0).map(Moment::Seconds),
     };
-    moment.ok_or_else(|| "expected seconds, at least 0, h:mm:ss, or a share of the run such as 50%".into())
+    moment.ok_or_else(|| {
+        let events = RunEvent::ALL.map(RunEvent::name).join(", ");
+        format!("expected seconds, at least 0, h:mm:ss, a share of the run such as 50%, or one of {events}")
+    })
 }
 
 /// Simulated seconds for a second.
@@ -273,6 +304,7 @@ mod tests {
     fn moments_are_times_or_shares_of_the_run() {
         assert_eq!(parse_moment("10:00"), Ok(Moment::Seconds(600.0)));
         assert_eq!(parse_moment("50%"), Ok(Moment::Share(0.5)));
+        assert_eq!(parse_moment("first-fire"), Ok(Moment::Event(RunEvent::FirstFire)));
         for text in ["", "%", "101%", "-1%", "-1", "nan", "inf", "1:00%"] {
             assert!(parse_moment(text).is_err(), "{text}");
         }

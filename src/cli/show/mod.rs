@@ -6,7 +6,7 @@ mod page_file;
 mod source;
 mod verdicts;
 
-pub use args::{Moment, ShowArguments, look, parse_agent, parse_moment, parse_speed};
+pub use args::{Moment, RunEvent, ShowArguments, look, parse_agent, parse_moment, parse_speed};
 pub use page_file::{check_grounds, write_page};
 pub use source::{Searches, ShownRun, Source, run_of_batch};
 
@@ -120,18 +120,39 @@ impl Shown {
     }
 }
 
-/// The time of a moment that the option `name` asks for; shares are of the longest run. One beyond the end of the last run
-/// is its end, which a note says.
-pub fn time_within(name: &str, moment: Moment, films: &[&RunView], quiet: bool) -> SimTime {
+/// The time of a moment that the option `name` asks for; shares are of the longest run, events of the first. One beyond the
+/// end of the last run is its end, which a note says.
+///
+/// # Errors
+/// If the first run does not have the event.
+pub fn time_within(name: &str, moment: Moment, films: &[&RunView], quiet: bool) -> Result<SimTime, CliError> {
     let end = RunView::last_end(films);
     let time = match moment {
         Moment::Seconds(seconds) => SimTime::from_seconds(seconds),
         Moment::Share(share) => SimTime::from_seconds(share * end.as_seconds()).min(end),
+        Moment::Event(event) => time_of_event(name, event, films)?,
     };
     if time > end && !quiet {
         terminal::note(&note_beyond_end(name, time, end));
     }
-    time.min(end)
+    Ok(time.min(end))
+}
+
+/// Returns when an event of the first run happened.
+fn time_of_event(option: &str, event: RunEvent, films: &[&RunView]) -> Result<SimTime, CliError> {
+    let index = films[0].index();
+    let (time, reason) = match event {
+        RunEvent::End => return Ok(RunView::last_end(films)),
+        RunEvent::FirstFire => (index.first_ignition(), "nothing burns in this run"),
+        RunEvent::FirstFailure => (index.first_failure(), "every plan of this run succeeds"),
+        RunEvent::LargestSearch if index.has_searches() => {
+            (index.largest_search().map(|search| search.time), "no agent of this run searches for a path")
+        }
+        RunEvent::LargestSearch => {
+            (None, "the recording has no searches; expected one of `wildfire run --record-searches`")
+        }
+    };
+    time.ok_or_else(|| CliError::bad_input(format_args!("{option} {}: {reason}", event.name()), None))
 }
 
 /// Says that the end of a run takes the place of a time beyond it.

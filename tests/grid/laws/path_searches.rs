@@ -241,6 +241,25 @@ fn trees_and_roadmaps_are_free_and_their_costs_are_lengths() {
 }
 
 #[test]
+fn paths_of_a_growing_rrt_star_get_shorter_and_lead_from_end_to_end() {
+    let occupied = map(&["..........", "..######..", "..######..", "..........", "....##....", "....##...."]);
+    let (start, goal) = ((0, 0), (5, 9));
+    let graph = grow_tree(&occupied, start, goal, TreeKind::RrtStar, &tree(3000)).expect("both ends are free");
+    let length = |path: &[GridPoint]| path.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>();
+    let lengths: Vec<f64> = graph.earlier.iter().map(|earlier| length(&earlier.path)).collect();
+    assert!(lengths.len() > 1 && lengths.windows(2).all(|pair| pair[1] < pair[0]), "{lengths:?}");
+    assert!(lengths[lengths.len() - 1] >= graph.cost.expect("found") - 1e-9);
+    assert!(graph.earlier.windows(2).all(|pair| pair[0].edges < pair[1].edges));
+    for earlier in &graph.earlier {
+        let ends = (earlier.path[0], earlier.path[earlier.path.len() - 1]);
+        assert_eq!(ends, (GridPoint::centre(start), GridPoint::centre(goal)));
+        assert!(earlier.edges <= graph.edges.len());
+    }
+    // The first one comes early: that is what a film of the tree shows.
+    assert!(graph.earlier[0].edges < graph.edges.len() / 2, "{} of {}", graph.earlier[0].edges, graph.edges.len());
+}
+
+#[test]
 fn cost_of_rrt_star_falls_with_samples_and_nears_the_shortest() {
     let occupied = map(&["..........", "..######..", "..######..", "..........", "....##....", "....##...."]);
     let start = (0, 0);

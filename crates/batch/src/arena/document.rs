@@ -6,9 +6,7 @@ use crate::stats::Interval;
 use wildfire_base::document::number::{count, optional, probability, rounded, two_digits};
 use wildfire_base::document::{Block, Document, Figure, Table};
 use wildfire_base::untrusted::visible_start;
-use wildfire_picture::charts::{
-    BarChart, BarPanel, BarSeries, Drawing, Estimate, ForestChart, SCREEN_WIDTH, STYLES, Titles,
-};
+use wildfire_picture::charts::{BarChart, BarPanel, BarSeries, Estimate, ForestChart, SCREEN_WIDTH, STYLES, Titles};
 
 /// The most decimals of a score.
 const MAX_DECIMALS: usize = 4;
@@ -103,7 +101,7 @@ fn chart(board: &TrackBoard) -> Block {
         y: String::new(),
     };
     let chart = ForestChart { titles, rows: rows.collect() };
-    figure(&chart.draw(SCREEN_WIDTH))
+    figure(chart.draw(SCREEN_WIDTH).to_svg())
 }
 
 /// Entries against conditions: the mean score of each, the worst marked, and by how much it is worse than the mean.
@@ -146,11 +144,11 @@ fn conditions_chart(board: &TrackBoard) -> Vec<Block> {
     };
     let groups = board.entries[0].by_condition.iter().map(|(name, ..)| name.clone()).collect();
     let chart = BarChart { titles, groups, panels: vec![BarPanel { name: String::new(), series: series.collect() }] };
-    chart.draw(SCREEN_WIDTH).iter().map(figure).collect()
+    chart.draw(SCREEN_WIDTH).iter().map(|sheet| figure(sheet.to_svg())).collect()
 }
 
-fn figure(drawing: &Drawing) -> Block {
-    Block::Figure(Figure { svg: drawing.to_svg(), file: None, more_files: Vec::new() })
+fn figure(svg: String) -> Block {
+    Block::Figure(Figure { svg, file: None, more_files: Vec::new() })
 }
 
 fn hashes_table(board: &TrackBoard) -> Table {

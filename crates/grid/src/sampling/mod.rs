@@ -52,6 +52,17 @@ pub struct PointGraph {
     pub cost: Option<f64>,
     /// The number of samples.
     pub samples: u32,
+    /// The paths that RRT* had on the way, each shorter than the one before; looked for at most a hundred times.
+    pub earlier: Vec<EarlierPath>,
+}
+
+/// A path that a growing tree had before it was done.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EarlierPath {
+    /// The number of edges of the tree then.
+    pub edges: usize,
+    /// The points from start to goal.
+    pub path: Vec<GridPoint>,
 }
 
 impl PointGraph {
@@ -65,6 +76,7 @@ impl PointGraph {
             path: Vec::new(),
             cost: None,
             samples: 0,
+            earlier: Vec::new(),
         }
     }
 }

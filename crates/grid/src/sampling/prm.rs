@@ -79,6 +79,7 @@ pub fn probabilistic_roadmap(
         costs,
         path,
         samples: settings.samples,
+        earlier: Vec::new(),
     })
 }
 

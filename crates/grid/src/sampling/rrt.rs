@@ -8,8 +8,8 @@ use rand::RngExt;
 
 use super::point_index::PointIndex;
 use super::{
-    CORNERS, PointGraph, PointRoute, check_neighbours, check_radius, check_samples, draw_point, neighbours_of_many,
-    squared_units,
+    CORNERS, EarlierPath, PointGraph, PointRoute, check_neighbours, check_radius, check_samples, draw_point,
+    neighbours_of_many, squared_units,
 };
 use crate::parameter::BadParameter;
 use crate::segment::{GridPoint, is_free_segment};
@@ -55,6 +55,9 @@ impl RrtSettings {
     }
 }
 
+/// The number of times that a growing RRT* is looked at for a path.
+const LOOKS: u32 = 100;
+
 /// Grows a tree from the centre of the start cell to that of the goal cell.
 ///
 /// More samples of the same seed grow the same tree further, so that the cost of RRT* never rises with them. A goal
@@ -83,6 +86,8 @@ pub fn grow_tree(
     // Points from which the goal is one step.
     let mut gates: Vec<u32> = tree.is_step(start, goal, settings.step).then_some(0).into_iter().collect();
     let mut samples = 0;
+    let mut earlier: Vec<EarlierPath> = Vec::new();
+    let mut shortest = f64::INFINITY;
     // A plain tree is done with the first path; RRT* gets better with every sample.
     while samples < settings.samples && (kind == TreeKind::RrtStar || gates.is_empty()) {
         samples += 1;
@@ -109,8 +114,16 @@ pub fn grow_tree(
         if tree.is_step(point, goal, settings.step) {
             gates.push(number);
         }
+        // Only now and then: of many samples that reach the goal each would have to be compared.
+        if kind == TreeKind::RrtStar && samples % settings.samples.div_ceil(LOOKS) == 0 {
+            let gate = tree.best_gate(goal, &gates).filter(|&gate| tree.cost_over(gate, goal) < shortest);
+            if let Some(gate) = gate {
+                shortest = tree.cost_over(gate, goal);
+                earlier.push(EarlierPath { edges: tree.points.len() - 1, path: tree.path_over(gate, goal) });
+            }
+        }
     }
-    Ok(tree.into_graph(goal, &gates, samples))
+    Ok(PointGraph { earlier, ..tree.into_graph(goal, &gates, samples) })
 }
 
 /// The point at most a step towards an aim.
@@ -182,30 +195,42 @@ impl SearchTree<'_> {
         }
     }
 
-    fn into_graph(self, goal: GridPoint, gates: &[u32], samples: u32) -> PointGraph {
-        let cost_over = |&gate: &u32| self.costs[gate as usize] + self.points[gate as usize].distance(goal);
-        let best = gates.iter().copied().min_by(|a, b| cost_over(a).total_cmp(&cost_over(b)));
-        let mut path = Vec::new();
-        if let Some(gate) = best {
-            path.push(goal);
-            let mut here = gate;
+    /// Returns the length of the path over a point from which the goal is one step.
+    fn cost_over(&self, gate: u32, goal: GridPoint) -> f64 {
+        self.costs[gate as usize] + self.points[gate as usize].distance(goal)
+    }
+
+    /// Returns the point over which the path is shortest, the first among equals.
+    fn best_gate(&self, goal: GridPoint, gates: &[u32]) -> Option<u32> {
+        gates.iter().copied().min_by(|&a, &b| self.cost_over(a, goal).total_cmp(&self.cost_over(b, goal)))
+    }
+
+    fn path_over(&self, gate: u32, goal: GridPoint) -> Vec<GridPoint> {
+        let mut here = gate;
+        let mut path = vec![goal, self.points[here as usize]];
+        while here != 0 {
+            here = self.parents[here as usize];
             path.push(self.points[here as usize]);
-            while here != 0 {
-                here = self.parents[here as usize];
-                path.push(self.points[here as usize]);
-            }
-            path.reverse();
-            // The goal itself may have been drawn and joined.
-            path.dedup();
         }
+        path.reverse();
+        // The goal itself may have been drawn and joined.
+        path.dedup();
+        path
+    }
+
+    fn into_graph(self, goal: GridPoint, gates: &[u32], samples: u32) -> PointGraph {
+        let best = self.best_gate(goal, gates);
+        let path = best.map_or_else(Vec::new, |gate| self.path_over(gate, goal));
+        let cost = best.map(|gate| self.cost_over(gate, goal));
         PointGraph {
             edges: (1..).zip(&self.parents[1..]).map(|(number, &parent)| [parent, number]).collect(),
             answer: if best.is_some() { PointRoute::Found } else { PointRoute::NotFound },
             path,
-            cost: best.map(|gate| cost_over(&gate)),
+            cost,
             points: self.points,
             costs: self.costs,
             samples,
+            earlier: Vec::new(),
         }
     }
 }

@@ -42,6 +42,14 @@ impl Drawing {
         })
     }
 
+    /// All places of its marks.
+    pub fn points(&self) -> impl Iterator<Item = Point> {
+        self.marks.iter().flat_map(|mark| match mark {
+            DrawingMark::Area { corners: points, .. } | DrawingMark::Line { points, .. } => points.clone(),
+            DrawingMark::Text { at, .. } => vec![*at],
+        })
+    }
+
     pub fn area(&mut self, corners: Vec<Point>, colour: Rgb, opacity: f32) {
         self.marks.push(DrawingMark::Area { corners, colour, opacity });
     }
@@ -61,12 +69,7 @@ impl Drawing {
     pub fn text(&mut self, text: &str, at: Point, align: Align, height: f32, colour: Rgb) {
         self.marks.push(DrawingMark::Text { text: text.into(), at, align, height, colour });
     }
-}
 
-/// Pixels of a unit: enough for print at the width of a column.
-const PIXELS: f32 = 2.0;
-
-impl Drawing {
     /// The drawing with two pixels for each unit.
     pub fn paint(&self) -> Picture {
         let mut canvas = Canvas::sized(self.width * PIXELS, self.height * PIXELS, PAPER);
@@ -75,7 +78,28 @@ impl Drawing {
         }
         canvas.finish()
     }
+
+    /// A whole SVG file, which names no other file; text in it is text. Marks that are no data have a class besides their
+    /// colour, by which a page gives them others on a dark screen.
+    pub fn to_svg(&self) -> String {
+        let Self { width, height, .. } = self;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"Helvetica, Arial, sans-serif\">\n\
+             <title>{}</title>\n<rect width=\"{width}\" height=\"{height}\"{}/>\n",
+            escaped(&self.title),
+            painted("fill", PAPER)
+        );
+        for mark in &self.marks {
+            push_mark(&mut svg, mark);
+        }
+        svg.push_str("</svg>\n");
+        svg
+    }
 }
+
+/// Pixels of a unit: enough for print at the width of a column.
+const PIXELS: f32 = 2.0;
 
 fn paint_mark(canvas: &mut Canvas, mark: &DrawingMark) {
     let place = |&(x, y): &Point| (x * PIXELS, y * PIXELS);
@@ -97,26 +121,6 @@ fn paint_mark(canvas: &mut Canvas, mark: &DrawingMark) {
 
 /// Height of capitals of the usual fonts without serifs, in font sizes.
 pub const CAPITALS: f32 = 0.72;
-
-impl Drawing {
-    /// A whole SVG file, which names no other file; text in it is text. Marks that are no data have a class besides their
-    /// colour, by which a page gives them others on a dark screen.
-    pub fn to_svg(&self) -> String {
-        let Self { width, height, .. } = self;
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"Helvetica, Arial, sans-serif\">\n\
-             <title>{}</title>\n<rect width=\"{width}\" height=\"{height}\"{}/>\n",
-            escaped(&self.title),
-            painted("fill", PAPER)
-        );
-        for mark in &self.marks {
-            push_mark(&mut svg, mark);
-        }
-        svg.push_str("</svg>\n");
-        svg
-    }
-}
 
 fn push_mark(svg: &mut String, mark: &DrawingMark) {
     let written = match mark {

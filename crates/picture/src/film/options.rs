@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::film::Camera;
 use wildfire_base::geometry::Cell;
+use wildfire_base::query::SearchPhase;
 use wildfire_timeline::AgentId;
 
 /// The bush or agent that the viewer selected.
@@ -163,6 +164,16 @@ impl Layer {
     pub fn needs_ground(self) -> bool {
         matches!(self, Self::Ground | Self::Wet | Self::Embers | Self::Wind | Self::Arrival)
             || matches!(self, Self::Intensity | Self::FireType)
+    }
+
+    /// Returns the layer that shows searches of a phase.
+    pub fn for_phase(phase: SearchPhase) -> Self {
+        match phase {
+            SearchPhase::Roadmap => Self::Roadmap,
+            SearchPhase::Query => Self::Query,
+            SearchPhase::Local => Self::LocalSearch,
+            SearchPhase::Walk => Self::WumpusSearch,
+        }
     }
 
     /// Returns whether only a run with recorded searches has what it shows.

@@ -38,6 +38,9 @@ pub struct Fire {
     pub burn_out_s: Option<f64>,
     /// Whether extinguished cells can burn again.
     pub relight: bool,
+    /// What catches fire and goes out together, under the model `radius`.
+    #[serde(skip_serializing_if = "FireUnit::is_bush")]
+    pub unit: FireUnit,
     /// Settings of the model `rothermel`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rothermel: Option<RothermelSettings>,
@@ -74,11 +77,31 @@ impl Default for Fire {
             spread_from: SpreadFrom::Ignited,
             burn_out_s: Some(60.0),
             relight: false,
+            unit: FireUnit::Bush,
             rothermel: None,
             alexandridis: None,
             embers: None,
             crowns: None,
         }
+    }
+}
+
+/// What catches fire and goes out together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FireUnit {
+    /// A cell with its bush.
+    #[default]
+    Bush,
+    /// A whole piece: a tetromino of a generated field, or bushes of a given field that join along sides.
+    Piece,
+}
+
+impl FireUnit {
+    // Serde asks with a reference.
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
+    fn is_bush(&self) -> bool {
+        *self == Self::Bush
     }
 }
 
@@ -133,6 +156,11 @@ impl Fire {
     /// Returns the trees and the fire in their crowns, in the model `rothermel`.
     pub(crate) fn crowns(&self) -> Option<&CrownSettings> {
         self.crowns.as_ref().filter(|_| self.model == FireModelName::Rothermel)
+    }
+
+    /// Returns true if fire takes and leaves whole pieces.
+    pub fn takes_pieces(&self) -> bool {
+        self.model == FireModelName::Radius && self.unit == FireUnit::Piece
     }
 
     /// Returns true if Wumpuses light ground as well as bushes.
@@ -190,8 +218,10 @@ impl Fire {
     pub(crate) fn unused(&self) -> &'static [&'static str] {
         match self.model {
             FireModelName::Radius => &["rothermel", "alexandridis", "embers", "crowns"],
-            FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "alexandridis"],
-            FireModelName::Alexandridis => &["spread_delay_s", "spread_radius_m", "spread_from", "embers", "crowns"],
+            FireModelName::Rothermel => &["spread_delay_s", "spread_radius_m", "spread_from", "unit", "alexandridis"],
+            FireModelName::Alexandridis => {
+                &["spread_delay_s", "spread_radius_m", "spread_from", "unit", "embers", "crowns"]
+            }
         }
     }
 
@@ -204,6 +234,11 @@ impl Fire {
             found.push("`[fire.crowns]` has no effect: only the model `rothermel` has trees.".to_owned());
         }
         if self.model != FireModelName::Radius {
+            if self.unit == FireUnit::Piece {
+                found.push(
+                    "`fire.unit` has no effect: only under the model `radius` fire takes whole pieces.".to_owned(),
+                );
+            }
             return;
         }
         let spreads = self.spread_from != SpreadFrom::None && self.spread_radius_m > 0.0;

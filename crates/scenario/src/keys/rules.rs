@@ -71,6 +71,8 @@ ranges! { Score { wumpus_ignited: -1e6..=1e6, wumpus_burned_out: -1e6..=1e6, tru
 #[serde(try_from = "IgnitionEntry", into = "IgnitionEntry")]
 pub struct Ignition {
     pub at_s: f64,
+    /// The time after which it lights again what can burn then, over and over; `None` if it lights once.
+    pub every_s: Option<f64>,
     pub cells: IgnitionCells,
 }
 
@@ -125,6 +127,9 @@ impl JsonSchema for Ignition {
 #[serde(deny_unknown_fields)]
 struct IgnitionEntry {
     at_s: f64,
+    /// Time after which the ignition repeats, over and over; without it, it lights once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    every_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<(u16, u16)>>")]
     cells: Option<Vec<Cell>>,
@@ -152,13 +157,14 @@ impl TryFrom<IgnitionEntry> for Ignition {
             (None, None, Some(_)) => return Err("`density` also needs `random`, the number of cells that it lights"),
             _ => return Err("an ignition needs either `cells` or `random`"),
         };
-        Ok(Self { at_s: entry.at_s, cells })
+        Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells })
     }
 }
 
 impl From<Ignition> for IgnitionEntry {
     fn from(ignition: Ignition) -> Self {
-        let mut entry = Self { at_s: ignition.at_s, cells: None, random: None, density: None, weights: None };
+        let Ignition { at_s, every_s, .. } = ignition;
+        let mut entry = Self { at_s, every_s, cells: None, random: None, density: None, weights: None };
         match ignition.cells {
             IgnitionCells::Cells(cells) => entry.cells = Some(cells),
             IgnitionCells::Random(count) => entry.random = Some(count),
@@ -179,6 +185,9 @@ pub(crate) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
     for (number, ignition) in ignitions.iter().enumerate() {
         let table = TablePath::entry("ignition", number);
         table.number("at_s", ignition.at_s, 0.0..=1e6)?;
+        if let Some(every_s) = ignition.every_s {
+            table.number("every_s", every_s, 1.0..=1e6)?;
+        }
         match &ignition.cells {
             IgnitionCells::Random(count) => {
                 table.number("random", (*count).into(), 1.0..=frame.cell_count() as f64)?;
@@ -226,5 +235,9 @@ pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let count = ignitions.len();
     let by_density =
         if drawn > 0 { format!(", and {drawn} chosen at random by maps of weights") } else { String::new() };
-    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells{by_density}.")
+    let repeated = match ignitions.iter().filter(|ignition| ignition.every_s.is_some()).count() {
+        0 => String::new(),
+        repeated => format!(" {repeated} of them repeated to the end of the run."),
+    };
+    format!("{count} from {first} s to {last} s: {random} random bushes and {named} named cells{by_density}.{repeated}")
 }

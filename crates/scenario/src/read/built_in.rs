@@ -6,6 +6,7 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("contest-1", include_str!("../../scenarios/contest-1.toml")),
     ("report-2024", include_str!("../../scenarios/report-2024.toml")),
     ("coursework-2025", include_str!("../../scenarios/coursework-2025.toml")),
+    ("tetrominoes", include_str!("../../scenarios/tetrominoes.toml")),
     ("original-2024", include_str!("../../scenarios/original-2024.toml")),
     ("arena", include_str!("../../scenarios/arena.toml")),
     ("dense", include_str!("../../scenarios/dense.toml")),

@@ -34,6 +34,8 @@ pub struct Terrain {
     pub blocked: Vec<Cell>,
     /// What burns between the bushes; `None` where nothing does.
     pub landscape: Option<Arc<Landscape>>,
+    /// The number of the piece of each bush, where fire takes whole pieces; else nothing.
+    pub pieces: Vec<u32>,
 }
 
 /// The reason why a run has no field.
@@ -50,7 +52,7 @@ impl Terrain {
     pub fn from_occupied(frame: FieldFrame, occupied: Grid<bool>) -> Self {
         let cells = occupied.values().iter().enumerate();
         let bushes = cells.filter(|(_, occupied)| **occupied).map(|(index, _)| frame.cell(index)).collect();
-        Self { frame, occupied, bushes, blocked: Vec::new(), landscape: None }
+        Self { frame, occupied, bushes, blocked: Vec::new(), landscape: None, pieces: Vec::new() }
     }
 
     /// Iterates by index over the cells whose fuel burns, those with a bush and those without.
@@ -86,7 +88,9 @@ impl Terrain {
 
     fn bushes_of(scenario: &Scenario, seed: u64, cover: &[u8]) -> Result<Self, TerrainError> {
         if let Some(imported) = &scenario.field.imported {
-            return Ok(Self::from_occupied(imported.frame, imported.occupied.clone()));
+            let terrain = Self::from_occupied(imported.frame, imported.occupied.clone());
+            let pieces = if scenario.fire.takes_pieces() { joined_along_sides(&terrain) } else { Vec::new() };
+            return Ok(Self { pieces, ..terrain });
         }
         let field = &scenario.field;
         let mut layout = PieceLayout::new(field.frame(), field.overlaps);
@@ -96,9 +100,43 @@ impl Terrain {
         for centre in scenario.start_centres() {
             layout.keep_free(centre, field.start_clearance_m);
         }
-        let occupied = layout.fill(field.shapes.clone(), field.wanted_pieces(), &mut rng::stream(seed, "terrain"))?;
-        Ok(Self::from_occupied(field.frame(), occupied))
+        layout.fill(field.shapes.clone(), field.wanted_pieces(), &mut rng::stream(seed, "terrain"))?;
+        let terrain = Self::from_occupied(field.frame(), layout.occupied);
+        let mut pieces = Vec::new();
+        if scenario.fire.takes_pieces() {
+            pieces.extend(terrain.bushes.iter().map(|bush| layout.pieces[(bush.row.into(), bush.col.into())]));
+        }
+        Ok(Self { pieces, ..terrain })
     }
+}
+
+/// Numbers bushes by the group that they join along sides, in the order of the first bush of each.
+fn joined_along_sides(terrain: &Terrain) -> Vec<u32> {
+    let frame = terrain.frame;
+    let mut pieces: Vec<Option<u32>> = vec![None; terrain.bushes.len()];
+    let mut count = 0;
+    for first in 0..terrain.bushes.len() {
+        if pieces[first].is_some() {
+            continue;
+        }
+        pieces[first] = Some(count);
+        let mut front = vec![first];
+        while let Some(bush) = front.pop() {
+            let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+            for (cols, rows) in sides {
+                let beside = frame.offset(terrain.bushes[bush], cols, rows).map(|cell| frame.index(cell));
+                let next = beside.map(|cell| terrain.bushes.binary_search_by_key(&cell, |&bush| frame.index(bush)));
+                if let Some(Ok(next)) = next
+                    && pieces[next].is_none()
+                {
+                    pieces[next] = Some(count);
+                    front.push(next);
+                }
+            }
+        }
+        count += 1;
+    }
+    pieces.into_iter().flatten().collect()
 }
 
 /// A field while pieces are being laid.
@@ -108,12 +146,15 @@ struct PieceLayout {
     occupied: Grid<bool>,
     /// Cells that no further piece may cover.
     closed: Grid<bool>,
+    /// The number of the piece on each occupied cell, the first where several overlap.
+    pieces: Grid<u32>,
 }
 
 impl PieceLayout {
     fn new(frame: FieldFrame, overlaps: Overlaps) -> Self {
         let open = Grid::filled(frame.rows.into(), frame.cols.into(), false);
-        Self { frame, overlaps, occupied: open.clone(), closed: open }
+        let pieces = Grid::filled(frame.rows.into(), frame.cols.into(), 0);
+        Self { frame, overlaps, occupied: open.clone(), closed: open, pieces }
     }
 
     /// Closes the cells whose squares come within `clearance_m` of a point, inclusive.
@@ -133,13 +174,13 @@ impl PieceLayout {
         }
     }
 
-    fn fill(mut self, mut shapes: Vec<Shape>, wanted: u32, rng: &mut impl Rng) -> Result<Grid<bool>, TerrainError> {
+    fn fill(&mut self, mut shapes: Vec<Shape>, wanted: u32, rng: &mut impl Rng) -> Result<(), TerrainError> {
         for piece in 1..=wanted {
             let (rotation, corner) =
                 self.draw(&mut shapes, rng).ok_or(TerrainError::NoPlacementLeft { piece, wanted })?;
-            self.lay(rotation, corner);
+            self.lay(rotation, corner, piece);
         }
-        Ok(self.occupied)
+        Ok(())
     }
 
     /// Draws a legal placement. Shapes without one leave the list: cells only ever close, so they cannot fit again.
@@ -177,9 +218,12 @@ impl PieceLayout {
             && piece.iter().all(|&(col, row)| !self.closed[((corner.row + row).into(), (corner.col + col).into())])
     }
 
-    fn lay(&mut self, piece: &Piece, corner: Cell) {
+    fn lay(&mut self, piece: &Piece, corner: Cell, number: u32) {
         for &(col, row) in piece {
             let cell = ((corner.row + row).into(), (corner.col + col).into());
+            if !self.occupied[cell] {
+                self.pieces[cell] = number;
+            }
             self.occupied[cell] = true;
             self.closed[cell] |= self.overlaps == Overlaps::Never;
         }
@@ -281,7 +325,7 @@ mod tests {
     #[test]
     fn legal_placements_are_equally_likely() {
         let mut layout = bare(5);
-        layout.lay(&Shape::O.rotations()[0], Cell { col: 2, row: 2 });
+        layout.lay(&Shape::O.rotations()[0], Cell { col: 2, row: 2 }, 1);
         let mut rng = rng::stream(1, "terrain");
         let mut counts = std::collections::BTreeMap::new();
         for _ in 0..20_000 {
@@ -313,6 +357,20 @@ mod tests {
         assert_eq!(Terrain::from_scenario(&scenario, 1), Err(TerrainError::NoPlacementLeft { piece: 2, wanted: 2 }));
         let too_small = bare(1).fill(Shape::ALL.to_vec(), 1, &mut rng::stream(1, "terrain"));
         assert_eq!(too_small, Err(TerrainError::NoPlacementLeft { piece: 1, wanted: 1 }));
+    }
+
+    #[test]
+    fn fire_takes_the_pieces_that_were_laid_or_what_joins_along_sides() {
+        let mut whole = scenario(Field::default());
+        whole.fire.unit = crate::FireUnit::Piece;
+        let terrain = Terrain::from_scenario(&whole, 3).unwrap();
+        let mut sizes = std::collections::BTreeMap::new();
+        terrain.pieces.iter().for_each(|piece| *sizes.entry(piece).or_insert(0) += 1);
+        assert_eq!((terrain.pieces.len(), sizes.len()), (terrain.bushes.len(), 62));
+        assert!(sizes.values().all(|&size| size == 4), "tetrominoes: {sizes:?}");
+        assert_eq!(terrain.bushes, Terrain::from_scenario(&scenario(Field::default()), 3).unwrap().bushes);
+        whole.field.imported = Some(ImportedField::parse("#.#\n##.\n..#", 5.0).unwrap());
+        assert_eq!(Terrain::from_scenario(&whole, 1).unwrap().pieces, [0, 1, 1, 1, 2]);
     }
 
     #[test]

@@ -94,6 +94,8 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     })?;
     let ascend = setting.blocked.is_sorted_by(|a, b| frame.index(*a) < frame.index(*b));
     require(ascend, || "its blocked cells are not in the order of their indices".into())?;
+    let has_all = setting.pieces.is_empty() || setting.pieces.len() == setting.bushes.len();
+    require(has_all, || "its pieces are not as many as its bushes".into())?;
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     setting.water.as_ref().map_or(Ok(()), check_water)?;
     limit("trucks that ground slows", setting.ground_shares.len(), MAX_AGENTS)?;

@@ -142,17 +142,26 @@ impl From<GroundSharesRecord> for (AgentId, Vec<f64>) {
 }
 
 /// The model of fire with its numbers.
-#[derive(Clone, Copy, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 enum FireRecord {
     Unknown,
-    Radius {
-        spread_delay_ns: u64,
-        spread_radius_m: f64,
-        sources_spread: bool,
-        caught_spreads: bool,
-        burn_out_ns: Option<u64>,
-        reignition: bool,
+    Radius(RadiusRecord),
+    /// The same where fire takes whole pieces, with the number of each bush's piece.
+    RadiusOfPieces {
+        radius: RadiusRecord,
+        pieces: Vec<u32>,
     },
+}
+
+/// The rules of the radius.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct RadiusRecord {
+    spread_delay_ns: u64,
+    spread_radius_m: f64,
+    sources_spread: bool,
+    caught_spreads: bool,
+    burn_out_ns: Option<u64>,
+    reignition: bool,
 }
 
 impl From<&Setting> for SettingRecord {
@@ -249,14 +258,11 @@ impl From<&Setting> for SettingTail {
         Self {
             limits: setting.agents.iter().map(|agent| agent.limits.map(limits)).collect(),
             extinguishes_all: setting.rules.extinguishes_all,
-            fire: setting.rules.fire.map_or(FireRecord::Unknown, |rules| FireRecord::Radius {
-                spread_delay_ns: rules.spread_delay.as_nanos(),
-                spread_radius_m: rules.spread_radius_m,
-                sources_spread: rules.sources_spread,
-                caught_spreads: rules.caught_spreads,
-                burn_out_ns: rules.burn_out.map(SimTime::as_nanos),
-                reignition: rules.reignition,
-            }),
+            fire: match setting.rules.fire.map(RadiusRecord::from) {
+                None => FireRecord::Unknown,
+                Some(radius) if setting.pieces.is_empty() => FireRecord::Radius(radius),
+                Some(radius) => FireRecord::RadiusOfPieces { radius, pieces: setting.pieces.clone() },
+            },
         }
     }
 }
@@ -279,6 +285,7 @@ impl SettingRecord {
             water: None,
             ground_shares: Vec::new(),
             line: None,
+            pieces: supplement.fire.pieces(),
             agents: agents.map(|(agent, limits)| agent.start(limits)).collect(),
             rules: Rules {
                 duration: SimTime::from_nanos(self.rules.duration_ns),
@@ -348,25 +355,44 @@ impl From<LimitsRecord> for SpeedLimits {
     }
 }
 
+impl From<FireRules> for RadiusRecord {
+    fn from(rules: FireRules) -> Self {
+        Self {
+            spread_delay_ns: rules.spread_delay.as_nanos(),
+            spread_radius_m: rules.spread_radius_m,
+            sources_spread: rules.sources_spread,
+            caught_spreads: rules.caught_spreads,
+            burn_out_ns: rules.burn_out.map(SimTime::as_nanos),
+            reignition: rules.reignition,
+        }
+    }
+}
+
+impl From<RadiusRecord> for FireRules {
+    fn from(record: RadiusRecord) -> Self {
+        Self {
+            spread_delay: SimTime::from_nanos(record.spread_delay_ns),
+            spread_radius_m: record.spread_radius_m,
+            sources_spread: record.sources_spread,
+            caught_spreads: record.caught_spreads,
+            burn_out: record.burn_out_ns.map(SimTime::from_nanos),
+            reignition: record.reignition,
+        }
+    }
+}
+
 impl FireRecord {
-    fn rules(self) -> Option<FireRules> {
-        match self {
+    fn rules(&self) -> Option<FireRules> {
+        match *self {
             Self::Unknown => None,
-            Self::Radius {
-                spread_delay_ns,
-                spread_radius_m,
-                sources_spread,
-                caught_spreads,
-                burn_out_ns,
-                reignition,
-            } => Some(FireRules {
-                spread_delay: SimTime::from_nanos(spread_delay_ns),
-                spread_radius_m,
-                sources_spread,
-                caught_spreads,
-                burn_out: burn_out_ns.map(SimTime::from_nanos),
-                reignition,
-            }),
+            Self::Radius(radius) | Self::RadiusOfPieces { radius, .. } => Some(radius.into()),
+        }
+    }
+
+    fn pieces(&self) -> Vec<u32> {
+        match self {
+            Self::Unknown | Self::Radius(_) => Vec::new(),
+            Self::RadiusOfPieces { pieces, .. } => pieces.clone(),
         }
     }
 }

@@ -21,7 +21,8 @@ use bushes::{BushHistory, BushReader};
 use super::clairvoyant;
 use super::replay::Happening;
 use super::{
-    Activity, AgentFact, AgentState, BushState, Event, FLOCK_M, Fact, GroundEvent, Outcome, Replay, State, Timeline,
+    Activity, AgentFact, AgentState, BushState, Event, FLOCK_M, Fact, FireFact, GroundEvent, GroundFact, Outcome,
+    Replay, State, Timeline,
 };
 use wildfire_base::geometry::Cell;
 use wildfire_base::query::{SearchGraph, SearchPhase};
@@ -43,6 +44,14 @@ pub struct RunIndex<'a> {
     agents: Vec<AgentHistory>,
     ground: Option<GroundIndex>,
     outcome: Outcome,
+}
+
+/// A search of an agent, as a recording names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordedSearch {
+    /// When its agent planned.
+    pub time: SimTime,
+    pub phase: SearchPhase,
 }
 
 impl<'a> RunIndex<'a> {
@@ -171,6 +180,37 @@ impl<'a> RunIndex<'a> {
     /// Returns true if the timeline contains recorded searches.
     pub fn has_searches(&self) -> bool {
         self.agents.iter().any(|agent| !agent.searches.is_empty())
+    }
+
+    /// Returns when the first bush, or ground, caught fire; `None` if nothing ever burned.
+    pub fn first_ignition(&self) -> Option<SimTime> {
+        let mut events = self.timeline.events.iter();
+        let bush = events.find(|event| matches!(event.fact, Fact::Fire(FireFact::Ignited { .. })));
+        let mut ground = self.timeline.ground.iter();
+        let ground = ground.find(|event| matches!(event.fact, GroundFact::Ignited(_)));
+        bush.map(|event| event.time).into_iter().chain(ground.map(|event| event.time)).min()
+    }
+
+    /// Returns when a plan of an agent first failed; `None` if all succeeded.
+    pub fn first_failure(&self) -> Option<SimTime> {
+        let mut events = self.timeline.events.iter();
+        let failed = events.find(|event| {
+            matches!(event.fact, Fact::Agent(_, AgentFact::PlanFailed { .. } | AgentFact::RelocationFailed { .. }))
+        });
+        failed.map(|event| event.time)
+    }
+
+    /// Returns the recorded search for a path with the most edges, the first among equals; roadmaps are no searches.
+    pub fn largest_search(&self) -> Option<RecordedSearch> {
+        let mut largest: Option<(usize, RecordedSearch)> = None;
+        for event in &self.timeline.events {
+            let Fact::Agent(_, AgentFact::Searched { phase, graph }) = &event.fact else { continue };
+            let edges = graph.edges.len();
+            if *phase != SearchPhase::Roadmap && largest.is_none_or(|(max, _)| edges > max) {
+                largest = Some((edges, RecordedSearch { time: event.time, phase: *phase }));
+            }
+        }
+        largest.map(|(_, search)| search)
     }
 
     /// Returns the next time after `time` at which something happens; recorded searches do not count, nor does fire

@@ -100,6 +100,12 @@ impl Values {
         self.of_seeds(quantity).iter().copied().filter(|number| !number.is_nan()).collect()
     }
 
+    /// Returns the sum, without an interval; `None` without values.
+    pub fn sum(&self, quantity: &Metric) -> Option<Estimate> {
+        let numbers = self.numbers(quantity);
+        (!numbers.is_empty()).then(|| Estimate { value: numbers.iter().sum(), interval: None })
+    }
+
     /// Returns the mean with its interval; `None` without values.
     pub fn mean(&self, quantity: &Metric) -> Option<Estimate> {
         mean_of(&self.numbers(quantity), quantity.range())

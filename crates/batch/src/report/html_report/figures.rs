@@ -7,7 +7,7 @@ use super::facets::{Facet, FacetSeries, MAX_PANELS, variant_facets};
 use super::labels::Labels;
 use super::over_time::StateCurves;
 use super::quantities::{
-    BURNED_AREA, CPU_PARTS, SAVED, SHARE_OF_OBSTACLES, STATES, SelectedQuantities, is_of_custom_planners,
+    BURNED_AREA, CPU_PARTS, CPU_TOTALS, SAVED, SHARE_OF_OBSTACLES, STATES, SelectedQuantities, is_of_custom_planners,
 };
 use super::sweeps::{SweepChart, interval_note, main_curves, main_differences, sweep_charts};
 use crate::comparison::Metric;
@@ -179,6 +179,9 @@ impl Figures {
     }
 }
 
+/// What the totals of CPU time are called, in their order.
+const SIDES: [&str; CPU_TOTALS.len()] = ["Trucks", "Trucks, roadmaps only", "Wumpuses"];
+
 /// A chart of means.
 struct MeansChart {
     /// The name of its file, without an ending.
@@ -186,6 +189,8 @@ struct MeansChart {
     title: String,
     /// Its groups of bars, which have one unit.
     quantities: Vec<&'static Metric>,
+    /// Whether bars are sums over all runs instead.
+    are_sums: bool,
 }
 
 /// Lists the charts of means. A quantity that was asked for and goes with no other has a chart of its own.
@@ -194,17 +199,22 @@ fn means(selected: &SelectedQuantities) -> Vec<MeansChart> {
         MeansChart::new("states", "Obstacle states at the end".into(), selected.among(&STATES)),
         MeansChart::new("cpu-time", "CPU time of a run by part".into(), selected.among(&CPU_PARTS)),
     ];
+    let totals = if selected.requested().is_empty() { CPU_TOTALS.iter().collect() } else { Vec::new() };
+    let sums = MeansChart {
+        are_sums: true,
+        ..MeansChart::new("cpu-sums", "CPU time of all runs together, by side".into(), totals)
+    };
     let alone = selected
         .requested()
         .iter()
         .filter(|quantity| !STATES.contains(quantity) && !CPU_PARTS.contains(quantity))
         .map(|&quantity| MeansChart::new(&format!("mean-{}", quantity.name), quantity.title(), vec![quantity]));
-    together.into_iter().chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
+    together.into_iter().chain([sums]).chain(alone).filter(|chart| !chart.quantities.is_empty()).collect()
 }
 
 impl MeansChart {
     fn new(file: &str, title: String, quantities: Vec<&'static Metric>) -> Self {
-        Self { file: file.to_owned(), title, quantities }
+        Self { file: file.to_owned(), title, quantities, are_sums: false }
     }
 
     fn bars(&self, panels: &[Facet], values: &[Values]) -> BarChart {
@@ -217,17 +227,28 @@ impl MeansChart {
         BarChart {
             titles: Titles {
                 title: self.title.clone(),
-                note: interval_note("Bars"),
+                note: if self.are_sums {
+                    "Bars: sums over all finished runs. The trucks' total includes their roadmaps'.".into()
+                } else {
+                    interval_note("Bars")
+                },
                 x: String::new(),
                 y: quantities.first().map_or("", |quantity| quantity.axis()).into(),
             },
-            groups: quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
+            groups: match self.are_sums {
+                true => SIDES.map(str::to_owned).to_vec(),
+                false => quantities.iter().map(|quantity| quantity.label().to_owned()).collect(),
+            },
             panels: panels
                 .iter()
                 .map(|panel| {
                     let series = panel.series.iter().map(|series| {
                         let values = &values[series.variants[0]];
-                        let bars = quantities.iter().map(|&quantity| values.mean(quantity)).collect();
+                        let bars = quantities.iter().map(|&quantity| match self.are_sums {
+                            true => values.sum(quantity),
+                            false => values.mean(quantity),
+                        });
+                        let bars = bars.collect();
                         BarSeries { name: series.name.clone(), style: series.style, bars }
                     });
                     BarPanel { name: panel.name.clone(), series: series.collect() }

@@ -29,6 +29,9 @@ pub static CPU_PARTS: [Metric; 9] = [
     metric("cpu_wumpus_s"),
 ];
 
+/// The totals of the planners' CPU time: the trucks', of which their roadmaps', and the Wumpuses'.
+pub static CPU_TOTALS: [Metric; 3] = [metric("cpu_unimog_total_s"), metric("cpu_prm_total_s"), metric("cpu_wumpus_s")];
+
 /// Returns whether only runs with custom planners have it.
 pub fn is_of_custom_planners(metric: &Metric) -> bool {
     metric.name.starts_with("cpu_custom_")
@@ -107,7 +110,7 @@ impl SelectedQuantities {
     pub fn kept(&self) -> Vec<&'static Metric> {
         let mut kept: Vec<&Metric> = STATES.iter().chain(&CPU_PARTS).chain(&MEASURES).collect();
         kept.extend([&BUSHES, &BURNED_AREA]);
-        for quantity in aims(&SAVED).chain(self.requested.iter().copied()) {
+        for quantity in CPU_TOTALS.iter().chain(aims(&SAVED)).chain(self.requested.iter().copied()) {
             kept.extend((!kept.contains(&quantity)).then_some(quantity));
         }
         kept

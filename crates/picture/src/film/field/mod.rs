@@ -386,6 +386,7 @@ pub(super) mod tests {
             water: None,
             ground_shares: Vec::new(),
             line: None,
+            pieces: Vec::new(),
             agents: Vec::new(),
             rules: Rules {
                 duration: seconds(100.0),
