@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 
-use film::{FilmFiles, MAX_FRAMES, Moments, Scene, write_films};
+use film::{FilmFiles, MAX_FRAMES, Moments, Scene, Shot, Shots, write_films};
 
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
@@ -20,7 +20,7 @@ use crate::cli::show::{
 };
 use wildfire_base::time::SimTime;
 use wildfire_picture::GifFilm;
-use wildfire_picture::film::{Layer, RunView};
+use wildfire_picture::film::{Layer, RunView, TourStop, tour};
 
 #[derive(Debug, Args)]
 #[command(
@@ -32,6 +32,7 @@ Examples:
   wildfire render --seed 7 --at 600 -o still.png
   wildfire render run.wildfire --gif film.gif --size 600x600
   wildfire render --mp4 film.mp4 --from 300 --to 900 --speed 30
+  wildfire render --mp4 tour.mp4 --tour
   wildfire render run.wildfire --page run.html
   wildfire render --with-set unimog.planner=hybrid-astar -o two.png --size 1400x900
   wildfire render --at 600 --follow unimog/0 --zoom 6 --layers local-search -o near.png
@@ -58,6 +59,10 @@ pub struct RenderArguments {
     /// Write a page that plays the run in a browser, offline; --size has no effect on it.
     #[arg(long, alias = "html", value_name = "FILE.html")]
     pub page: Option<PathBuf>,
+    /// Film a guided tour of the run: its field, its first fire, a truck and how it plans, the largest search, the closest
+    /// moment, and the end.
+    #[arg(long, requires = "film", conflicts_with_all = ["from", "to", "speed", "with", "with_overrides", "with_seed"])]
+    pub tour: bool,
     /// Simulated time at which the film begins, as for --at.
     #[arg(long, value_name = "TIME", default_value = "0", requires = "film", allow_hyphen_values = true, value_parser = parse_moment)]
     pub from: Moment,
@@ -95,7 +100,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
         check_grounds(&runs)?;
     }
     let at = arguments.at.map(|at| time_within("--at", at, &runs, quiet)).transpose()?;
-    let moments = moments(arguments, &runs, quiet)?;
+    let shots = shots(arguments, &scene, quiet)?;
     if let Some(path) = &arguments.out {
         scene.write_still(at.unwrap_or(RunView::last_end(&runs)), path)?;
         output_files::note_written(path, quiet);
@@ -106,7 +111,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     }
     if arguments.gif.is_some() || arguments.mp4.is_some() {
         let files = FilmFiles { gif: arguments.gif.as_deref(), mp4: arguments.mp4.as_deref() };
-        write_films(&scene, moments, files, quiet)?;
+        write_films(&scene, &shots, files, quiet)?;
         [files.gif, files.mp4].into_iter().flatten().for_each(|path| output_files::note_written(path, quiet));
     }
     Ok(ExitCode::SUCCESS)
@@ -135,6 +140,7 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
     let moments = [arguments.at, Some(arguments.from), arguments.to];
     // A page has the layers of searches to switch on, as the window has.
     let searches = if arguments.page.is_some()
+        || arguments.tour
         || moments.contains(&Some(Moment::Event(RunEvent::LargestSearch)))
         || Layer::ALL.iter().any(|&layer| layer.needs_searches() && arguments.show.layers().contains(layer))
     {
@@ -147,6 +153,28 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }
 
+/// Returns the shots of a film: one from beginning to end, or the stops of a tour.
+fn shots(arguments: &RenderArguments, scene: &Scene, quiet: bool) -> Result<Shots, CliError> {
+    let shots = if arguments.tour {
+        let shot = |TourStop { from, to, speed, options }| Shot {
+            moments: Moments { from, to, speed, fps: arguments.fps },
+            options,
+        };
+        tour(scene.runs[0], &scene.options).into_iter().map(shot).collect()
+    } else {
+        vec![Shot { moments: moments(arguments, scene.runs, quiet)?, options: scene.options.clone() }]
+    };
+    let shots = Shots(shots);
+    if shots.count() > MAX_FRAMES {
+        let sentence = format!("the film would have {} frames; expected at most {MAX_FRAMES}", shots.count());
+        return Err(CliError::bad_input(
+            sentence,
+            Some("raise --speed, lower --fps, or shorten it with --from and --to"),
+        ));
+    }
+    Ok(shots)
+}
+
 fn moments(arguments: &RenderArguments, runs: &[&RunView], quiet: bool) -> Result<Moments, CliError> {
     let from = time_within("--from", arguments.from, runs, quiet)?;
     let to = arguments.to.unwrap_or(Moment::Event(RunEvent::End));
@@ -155,13 +183,5 @@ fn moments(arguments: &RenderArguments, runs: &[&RunView], quiet: bool) -> Resul
         let sentence = format!("--from is {from}; expected at most --to, {to}");
         return Err(CliError::bad_input(sentence, None));
     }
-    let moments = Moments { from, to, speed: arguments.speed, fps: arguments.fps };
-    if moments.count() > MAX_FRAMES {
-        let sentence = format!("the film would have {} frames; expected at most {MAX_FRAMES}", moments.count());
-        return Err(CliError::bad_input(
-            sentence,
-            Some("raise --speed, lower --fps, or shorten it with --from and --to"),
-        ));
-    }
-    Ok(moments)
+    Ok(Moments { from, to, speed: arguments.speed, fps: arguments.fps })
 }

@@ -49,7 +49,7 @@ impl Camera {
     }
 
     /// Returns the camera about a point, near enough to see an agent there.
-    fn following(self, frame: &FieldFrame, point: DVec2) -> Self {
+    pub(super) fn following(self, frame: &FieldFrame, point: DVec2) -> Self {
         let near = frame.width_m().max(frame.height_m()) / Self::FOLLOWED_M;
         Self {
             centre: (point / DVec2::new(frame.width_m(), frame.height_m())).clamp(DVec2::ZERO, DVec2::ONE),

@@ -14,6 +14,7 @@ mod options;
 mod page;
 mod renderer;
 mod run;
+mod tour;
 
 pub use camera::{Camera, Projection};
 pub use field::pick;
@@ -24,3 +25,4 @@ pub use options::{CameraTarget, Layer, Layers, Selected, Status, ViewOptions};
 pub use page::{MAX_GROUND_CELLS, PackedModule, page, page_data, play_page};
 pub use renderer::{FrameRenderer, FrameRequest, still};
 pub use run::{RunView, RunViewId, Verdict};
+pub use tour::{TourStop, tour};
