@@ -429,3 +429,18 @@ fn a_name_with_letters_that_the_font_lacks_is_noted_once() {
         assert!(!answer.stderr.contains("pictures show"), "{arguments:?}: {}", answer.stderr);
     }
 }
+
+#[test]
+fn tour_is_a_film_of_the_stops_that_a_run_has() {
+    let story = Story::begin();
+    story.tell(&["run", "smoke", "--seed", "7", "--record-searches", "--out", "run.wildfire"]).expect_code(0);
+    render(&story, &["run.wildfire", "--gif", "tour.gif", "--tour", "--fps", "1"]).expect_code(0);
+    // Six stops of eight frames; the clock goes back where a stop is earlier than the one before.
+    let film = frames(&story.path("tour.gif"));
+    assert!((30..=48).contains(&film.len()), "{} frames", film.len());
+    render(&story, &["run.wildfire", "--gif", "again.gif", "--tour", "--fps", "1"]).expect_code(0);
+    assert!(film == frames(&story.path("again.gif")), "another film of the same run");
+    refuse(&story, &["render", "smoke", "--tour", "-o", "still.png"], &["--gif"]);
+    refuse(&story, &["render", "smoke", "--tour", "--gif", "film.gif", "--from", "3"], &["--from"]);
+    refuse(&story, &["render", "smoke", "--tour", "--gif", "film.gif", "--with-seed", "3"], &["--with-seed"]);
+}
