@@ -1,5 +1,7 @@
 //! Exact distances from a rectangle to squares and to the border.
 
+use std::ops::ControlFlow;
+
 use glam::DVec2;
 
 use super::ClearanceField;
@@ -44,13 +46,14 @@ impl Rectangle {
     #[inline]
     pub fn bush_gap(&self, field: &ClearanceField, reach: f64) -> f64 {
         let half_cell = 0.5 * field.frame().cell_m;
-        let mut min = reach * reach;
-        for centre in field.bushes_near(self.centre, self.half_box() + DVec2::splat(reach)) {
-            min = self.squared_gap_to_square(centre, half_cell, min);
-            if min == 0.0 {
-                break;
-            }
-        }
+        let mut near = field.bushes_near(self.centre, self.half_box() + DVec2::splat(reach));
+        // On contact nothing is nearer.
+        let min =
+            near.try_fold(reach * reach, |min, centre| match self.squared_gap_to_square(centre, half_cell, min) {
+                0.0 => ControlFlow::Break(0.0),
+                squared => ControlFlow::Continue(squared),
+            });
+        let (ControlFlow::Break(min) | ControlFlow::Continue(min)) = min;
         min.sqrt()
     }
 

@@ -1,6 +1,7 @@
 //! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either built before the first query or grown by
 //! queries.
 
+use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -313,9 +314,14 @@ impl Roadmap {
         }
     }
 
-    /// Puts nodes in the order of the numbers beside them, ties by what does not depend on earlier searches.
+    /// Puts nodes in order.
     fn put_in_order(&self, found: &mut [(f64, u32)]) {
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1))));
+        found.sort_unstable_by(|a, b| self.order(a, b));
+    }
+
+    /// Compares nodes by the numbers beside them, equal ones by what does not depend on earlier searches.
+    fn order(&self, a: &(f64, u32), b: &(f64, u32)) -> Ordering {
+        a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)))
     }
 
     fn rank(&self, node: u32) -> u64 {
@@ -385,23 +391,33 @@ impl Roadmap {
 
     /// Keeps this number of the nodes, those that a truck gets to soonest, as an estimate says.
     fn keep_nearest(&self, node: &Milestone, count: usize, near: &mut Vec<(f64, u32)>) {
-        for (metres, other) in near.iter_mut() {
-            let there = &self.nodes[*other as usize];
+        let mut kept: Vec<(f64, u32)> = Vec::with_capacity(count + 1);
+        // Those that are near by air first: they leave little to do about the others.
+        let (inner, outer): (Vec<_>, Vec<_>) = near.iter().partition(|&&(metres, _)| metres <= 0.5 * self.max_edge_m);
+        for &(metres, other) in inner.into_iter().chain(outer) {
+            let last_m =
+                if kept.len() < count { f64::INFINITY } else { kept.last().map_or(f64::NEG_INFINITY, |last| last.0) };
+            let there = &self.nodes[other as usize];
+            // No estimate is less than either; equal ones are decided below.
+            if metres > last_m || self.turning_m(node, there) > last_m {
+                continue;
+            }
+            let estimate_m = self.estimate_m(node, there, metres);
+            if estimate_m > last_m {
+                continue;
+            }
             // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
             let middle = node.pose.position().lerp(there.pose.position(), 0.5);
-            let is_hopeless = self.checker.field().lower_bound(middle) < HOPELESS_M;
-            *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
+            if self.checker.field().lower_bound(middle) < HOPELESS_M {
+                continue;
+            }
+            let entry = (estimate_m, other);
+            let place = kept.partition_point(|earlier| self.order(earlier, &entry).is_lt());
+            kept.insert(place, entry);
+            kept.truncate(count);
         }
-        near.retain(|&(metres, _)| metres < f64::INFINITY);
-        if near.len() > count {
-            // Selecting is linear where sorting all would not be; ties by rank keep the same neighbours in every run.
-            let order =
-                |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)));
-            near.select_nth_unstable_by(count, order);
-            near.truncate(count);
-        }
-        // The selection leaves them in an order that depends on the library.
-        self.put_in_order(near);
+        near.clear();
+        near.extend(kept);
     }
 
     /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
@@ -416,7 +432,12 @@ impl Roadmap {
             0.5 * radius * across * across * across + sideways * sideways / (2.0 * distance.max(0.5 * radius))
         };
         let there = distance + turn_m(a.direction) + turn_m(b.direction);
-        there.max(FRAC_PI_2 * radius * (1.0 - a.direction.dot(b.direction)))
+        there.max(self.turning_m(a, b))
+    }
+
+    /// Returns what turning from one heading to the other takes at least, as the estimate has it.
+    fn turning_m(&self, a: &Milestone, b: &Milestone) -> f64 {
+        FRAC_PI_2 * self.curves.radius_m * (1.0 - a.direction.dot(b.direction))
     }
 
     /// Makes the edges ready for queries.
