@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec2;
 
+use super::field::Interpolated;
 use super::rectangle::Rectangle;
 use super::{ClearanceField, sweep};
 use wildfire_base::geometry::{Cell, OrientedRect, Pose, ops};
@@ -256,6 +257,22 @@ impl CollisionChecker {
     /// Does the same as if no other bodies stood on the field.
     #[inline]
     fn clearance_on_field(&self, rectangle: &Rectangle, min_clearance: f64, enough: f64) -> Option<f64> {
+        // Each kind of lattice has its own copy: what a coarse one needs besides stays out of the other's way.
+        if self.field.is_coarse() {
+            self.clearance_by(rectangle, min_clearance, enough, |point| self.field.interpolate(point))
+        } else {
+            self.clearance_by(rectangle, min_clearance, enough, |point| self.field.read_lattice(point))
+        }
+    }
+
+    #[inline(always)]
+    fn clearance_by(
+        &self,
+        rectangle: &Rectangle,
+        min_clearance: f64,
+        enough: f64,
+        interpolate: impl Fn(DVec2) -> Interpolated,
+    ) -> Option<f64> {
         let border = rectangle.border_gap(self.field.frame());
         // From cheap to costly: the border, discs on the lattice of distances, and bushes one by one.
         if border < min_clearance {
@@ -265,7 +282,7 @@ impl CollisionChecker {
         // Metres from a bush to the body, which holds the inner discs, are at most this much and the lattice's spread.
         let mut max_gap = f64::INFINITY;
         for (number, disc) in self.discs.iter().enumerate() {
-            let bound = self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset);
+            let bound = interpolate(rectangle.centre + rectangle.axis * disc.offset);
             if bound.is_surely_below(disc.inner_radius + min_clearance) {
                 return None;
             }
@@ -275,8 +292,8 @@ impl CollisionChecker {
             if number == 0 && squared >= open * open && border >= enough + ROUNDING_M {
                 return Some((squared.sqrt() - self.outer_radius).min(border));
             }
-            min_squared = min_squared.min(squared);
-            max_gap = max_gap.min(bound.distance_m() - disc.inner_radius);
+            min_squared = lesser(min_squared, squared);
+            max_gap = lesser(max_gap, bound.distance_m() - disc.inner_radius);
         }
         let cover = min_squared.max(0.0).sqrt() - self.cover_radius;
         // Discs cover the body, so they underestimate: enough by them is enough.
@@ -317,6 +334,12 @@ impl CollisionChecker {
             .map(|disc| self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset).min_squared());
         squared.fold(f64::INFINITY, f64::min).max(0.0).sqrt() - self.cover_radius
     }
+}
+
+/// Returns the lesser of two numbers. Where neither is NaN, as here, it takes one instruction.
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
 }
 
 /// Discs of one radius whose union holds the body: as many as the length has widths.
@@ -462,8 +485,7 @@ mod tests {
                 let pose = test.random_pose(&mut rng);
                 let min_clearance: f64 = rng.random_range(0.05..3.0);
                 let outline = Rectangle::from(alone.body().footprint(pose));
-                let is_beside = |&other: &OrientedRect| outline.gap_to(&other.into()) >= min_clearance;
-                let is_apart = others.iter().all(is_beside);
+                let is_apart = others.iter().all(|&other| outline.gap_to(&other.into()) >= min_clearance);
                 let is_free = alone.pose_is_free(pose, min_clearance);
                 assert_eq!(crowd.pose_is_free(pose, min_clearance), is_free && is_apart, "{pose:?} {min_clearance}");
                 if is_free && is_apart { free += 1 } else { crowded_out += u32::from(is_free) }

@@ -74,7 +74,8 @@ impl Interpolated {
     /// A lower bound of the squared distance; it may be negative.
     #[inline]
     pub fn min_squared(self) -> f64 {
-        (self.distance_m * self.distance_m - self.spread_m2).max(self.min_m2)
+        let by_lattice = self.distance_m * self.distance_m - self.spread_m2;
+        if by_lattice > self.min_m2 { by_lattice } else { self.min_m2 }
     }
 
     /// Metres by interpolation, from which the distance differs by no more than [`ClearanceField::max_spread_m`].
@@ -188,6 +189,11 @@ impl ClearanceField {
         if self.looks_at_cells { self.look_at_cells(point, interpolated) } else { interpolated }
     }
 
+    /// Returns whether the cells about a point say more than the lattice.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.looks_at_cells
+    }
+
     /// Returns by how many metres the distance from a point near a bush may exceed the interpolated one.
     pub(super) fn max_spread_m(&self) -> f64 {
         // V is at most half the square of the spacing; what stored distances lack is far less than the rest.
@@ -238,7 +244,7 @@ impl ClearanceField {
     }
 
     #[inline(always)]
-    fn read_lattice(&self, point: DVec2) -> Interpolated {
+    pub(super) fn read_lattice(&self, point: DVec2) -> Interpolated {
         let x = point.x * self.steps_per_m;
         let y = point.y * self.steps_per_m;
         // A point on the last line belongs to the last cell. Numbers of 32 bits are converted in half the instructions.
@@ -265,9 +271,9 @@ impl ClearanceField {
         let low = (point - reach) / cell;
         let high = (point + reach) / cell;
         // Casts clamp at 0; the last index is clamped here.
-        let end = |high: f64, count: usize| ((high as u32).saturating_add(1) as usize).min(count);
-        let cols = low.x as u32 as usize..end(high.x, self.occupied.cols());
-        let rows = low.y as u32 as usize..end(high.y, self.occupied.rows());
+        let beyond = [high.x, high.y].map(|high| (high as u32).saturating_add(1) as usize);
+        let cols = low.x as u32 as usize..beyond[0].min(self.occupied.cols());
+        let rows = low.y as u32 as usize..beyond[1].min(self.occupied.rows());
         rows.flat_map(move |row| {
             let line = self.occupied.row(row);
             let y = (row as f64 + 0.5) * cell;

@@ -39,7 +39,10 @@ impl Rectangle {
         let half = self.half_box();
         let low = self.centre - half;
         let high = DVec2::new(frame.width_m(), frame.height_m()) - self.centre - half;
-        if low.is_nan() || high.is_nan() { f64::NEG_INFINITY } else { low.min_element().min(high.min_element()) }
+        if low.is_nan() || high.is_nan() {
+            return f64::NEG_INFINITY;
+        }
+        [low.y, high.x, high.y].into_iter().fold(low.x, |least, gap| if gap < least { gap } else { least })
     }
 
     /// Returns the exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.

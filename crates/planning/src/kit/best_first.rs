@@ -427,8 +427,8 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     fn arrive<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, index: u32) -> Option<Path> {
         let expansion = space.analytic_expansion(self.node(index));
         // Most are in the way of something, above all in their long segments.
-        let segments = longest_first(self.node(index).pose, expansion.segments());
-        if !segments.into_iter().all(|(from, segment)| space.motion_is_free(from, segment)) {
+        let mut segments = longest_first(self.node(index).pose, expansion.segments());
+        if !segments.all(|(from, segment)| space.motion_is_free(from, segment)) {
             return None;
         }
         let mut path = self.path_to(space, index);

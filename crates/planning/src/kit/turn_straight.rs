@@ -69,7 +69,7 @@ struct Approach {
 
 /// A straight to be found, with the turn before it.
 #[derive(Clone, Copy, Debug)]
-struct Aim {
+struct StraightAim {
     /// 1 if the straight is driven forward, -1 in reverse.
     sign: f64,
     /// Metres from the body's axis to the left, where the disc's centre is to lie.
@@ -174,7 +174,7 @@ impl TurnStraightSteering {
             // Turns that end before that, and a straight, forward first; each is aimed where it is shortest.
             for sign in [1.0, -1.0] {
                 for (offset, turns_forward) in [(0.0, sign > 0.0), (-EDGE_SHARE * disc.radius_m, sign < 0.0)] {
-                    let aim = Aim { sign, offset, turns_forward };
+                    let aim = StraightAim { sign, offset, turns_forward };
                     if let Some((angle, straight)) = self.tangent(target, aim, disc.radius_m, limit) {
                         let entry = if turns_forward { enters_forward } else { enters_reverse };
                         if angle.abs() < entry {
@@ -202,8 +202,8 @@ impl TurnStraightSteering {
     /// Returns the turning angle, less than a full turn, after which a straight leads into the disc, and that straight.
     ///
     /// `None` where there is none, or it is known without the angle that both together cost the limit.
-    fn tangent(&self, target: DVec2, aim: Aim, disc_radius: f64, limit: f64) -> Option<(f64, Segment)> {
-        let Aim { sign, offset, turns_forward } = aim;
+    fn tangent(&self, target: DVec2, aim: StraightAim, disc_radius: f64, limit: f64) -> Option<(f64, Segment)> {
+        let StraightAim { sign, offset, turns_forward } = aim;
         let lever = self.radius - offset;
         let along_squared = target.length_squared() - lever * lever;
         if along_squared < 0.0 {

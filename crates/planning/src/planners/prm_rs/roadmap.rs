@@ -1,7 +1,6 @@
 //! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either built before the first query or grown by
 //! queries.
 
-use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -314,14 +313,9 @@ impl Roadmap {
         }
     }
 
-    /// Puts nodes in order.
+    /// Puts nodes in the order of the numbers beside them, ties by what does not depend on earlier searches.
     fn put_in_order(&self, found: &mut [(f64, u32)]) {
-        found.sort_unstable_by(|a, b| self.order(a, b));
-    }
-
-    /// Compares nodes by the numbers beside them, equal ones by what does not depend on earlier searches.
-    fn order(&self, a: &(f64, u32), b: &(f64, u32)) -> Ordering {
-        a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)))
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1))));
     }
 
     fn rank(&self, node: u32) -> u64 {
@@ -391,33 +385,22 @@ impl Roadmap {
 
     /// Keeps this number of the nodes, those that a truck gets to soonest, as an estimate says.
     fn keep_nearest(&self, node: &Milestone, count: usize, near: &mut Vec<(f64, u32)>) {
-        let mut kept: Vec<(f64, u32)> = Vec::with_capacity(count + 1);
-        // Those that are near by air first: they leave little to do about the others.
-        let (inner, outer): (Vec<_>, Vec<_>) = near.iter().partition(|&&(metres, _)| metres <= 0.5 * self.max_edge_m);
-        for &(metres, other) in inner.into_iter().chain(outer) {
-            let last_m =
-                if kept.len() < count { f64::INFINITY } else { kept.last().map_or(f64::NEG_INFINITY, |last| last.0) };
-            let there = &self.nodes[other as usize];
-            // No estimate is less than either; equal ones are decided below.
-            if metres > last_m || self.turning_m(node, there) > last_m {
-                continue;
-            }
-            let estimate_m = self.estimate_m(node, there, metres);
-            if estimate_m > last_m {
-                continue;
-            }
-            // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
-            let middle = node.pose.position().lerp(there.pose.position(), 0.5);
-            if self.checker.field().lower_bound(middle) < HOPELESS_M {
-                continue;
-            }
-            let entry = (estimate_m, other);
-            let place = kept.partition_point(|earlier| self.order(earlier, &entry).is_lt());
-            kept.insert(place, entry);
-            kept.truncate(count);
+        for (metres, other) in near.iter_mut() {
+            *metres = self.estimate_m(node, &self.nodes[*other as usize], *metres);
         }
-        near.clear();
-        near.extend(kept);
+        self.put_in_order(near);
+        let mut kept = 0;
+        near.retain(|&(_, other)| {
+            // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless. Only those before
+            // the last that is kept are looked at.
+            if kept == count {
+                return false;
+            }
+            let middle = node.pose.position().lerp(self.nodes[other as usize].pose.position(), 0.5);
+            let is_hopeful = self.checker.field().lower_bound(middle) >= HOPELESS_M;
+            kept += usize::from(is_hopeful);
+            is_hopeful
+        });
     }
 
     /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
@@ -432,12 +415,7 @@ impl Roadmap {
             0.5 * radius * across * across * across + sideways * sideways / (2.0 * distance.max(0.5 * radius))
         };
         let there = distance + turn_m(a.direction) + turn_m(b.direction);
-        there.max(self.turning_m(a, b))
-    }
-
-    /// Returns what turning from one heading to the other takes at least, as the estimate has it.
-    fn turning_m(&self, a: &Milestone, b: &Milestone) -> f64 {
-        FRAC_PI_2 * self.curves.radius_m * (1.0 - a.direction.dot(b.direction))
+        there.max(FRAC_PI_2 * radius * (1.0 - a.direction.dot(b.direction)))
     }
 
     /// Makes the edges ready for queries.
@@ -504,9 +482,9 @@ impl Roadmap {
         }
         let way = *self.way(edge);
         let start = self.pose(self.edges[edge as usize].nodes[0]);
-        let row = longest_first(start, way.curve.segments());
+        let mut row = longest_first(start, way.curve.segments());
         let clearance_m = self.clearances_m[level];
-        let is_free = row.into_iter().all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
+        let is_free = row.all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
         self.edges[edge as usize].is_free[level] = Some(is_free);
         is_free
     }
