@@ -1,6 +1,7 @@
 //! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either built before the first query or grown by
 //! queries.
 
+use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -315,7 +316,13 @@ impl Roadmap {
 
     /// Puts nodes in the order of the numbers beside them, ties by what does not depend on earlier searches.
     fn put_in_order(&self, found: &mut [(f64, u32)]) {
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1))));
+        found.sort_unstable_by(|a, b| self.order(a, b));
+    }
+
+    /// Compares nodes by the numbers beside them, which are not negative and so compare as their bits do.
+    #[inline]
+    fn order(&self, a: &(f64, u32), b: &(f64, u32)) -> Ordering {
+        a.0.to_bits().cmp(&b.0.to_bits()).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)))
     }
 
     fn rank(&self, node: u32) -> u64 {
@@ -388,19 +395,28 @@ impl Roadmap {
         for (metres, other) in near.iter_mut() {
             *metres = self.estimate_m(node, &self.nodes[*other as usize], *metres);
         }
-        self.put_in_order(near);
+        // Selecting is linear where sorting all would not be. Most of those that are selected are kept.
+        let mut looked_at = 0;
         let mut kept = 0;
-        near.retain(|&(_, other)| {
-            // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless. Only those before
-            // the last that is kept are looked at.
-            if kept == count {
-                return false;
+        while kept < count && looked_at < near.len() {
+            let next = &mut near[looked_at..];
+            let selected = (2 * (count - kept)).min(next.len());
+            if selected < next.len() {
+                next.select_nth_unstable_by(selected, |a, b| self.order(a, b));
             }
-            let middle = node.pose.position().lerp(self.nodes[other as usize].pose.position(), 0.5);
-            let is_hopeful = self.checker.field().lower_bound(middle) >= HOPELESS_M;
-            kept += usize::from(is_hopeful);
-            is_hopeful
-        });
+            self.put_in_order(&mut next[..selected]);
+            for index in looked_at..looked_at + selected {
+                let (_, other) = near[index];
+                // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
+                let middle = node.pose.position().lerp(self.nodes[other as usize].pose.position(), 0.5);
+                if kept < count && self.checker.field().lower_bound(middle) >= HOPELESS_M {
+                    near[kept] = near[index];
+                    kept += 1;
+                }
+            }
+            looked_at += selected;
+        }
+        near.truncate(kept);
     }
 
     /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
