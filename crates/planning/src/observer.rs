@@ -58,8 +58,9 @@ pub struct QueryRecord {
 /// Measures the CPU time of a query by kind of work, and records the places it examines if requested.
 #[derive(Debug)]
 pub struct QueryMonitor {
-    watch: CpuStopwatch,
-    work: Option<PlanningWork>,
+    /// What is being done, and since when. Reading a thread's clock takes longer than many a query, so it is read only
+    /// where work begins or ends.
+    work: Option<(PlanningWork, CpuStopwatch)>,
     time: QueryTime,
     recorder: SearchRecorder,
 }
@@ -67,7 +68,7 @@ pub struct QueryMonitor {
 impl QueryMonitor {
     pub fn new(records_searches: bool) -> Self {
         let recorder = SearchRecorder::new(records_searches);
-        Self { watch: CpuStopwatch::start(), work: None, time: QueryTime::default(), recorder }
+        Self { work: None, time: QueryTime::default(), recorder }
     }
 
     /// Ends the query.
@@ -79,13 +80,15 @@ impl QueryMonitor {
 
 impl PlanningObserver for QueryMonitor {
     fn begins(&mut self, work: Option<PlanningWork>) {
-        let spent = self.watch.elapsed_since_last();
-        match self.work {
-            Some(PlanningWork::Roadmap) => self.time.roadmap += spent,
-            Some(PlanningWork::Local) => self.time.local += spent,
-            None => {}
-        }
-        self.work = work;
+        let ended = self.work.take().map(|(ended, mut watch)| {
+            let spent = watch.elapsed_since_last();
+            match ended {
+                PlanningWork::Roadmap => self.time.roadmap += spent,
+                PlanningWork::Local => self.time.local += spent,
+            }
+            watch
+        });
+        self.work = work.map(|work| (work, ended.unwrap_or_else(CpuStopwatch::start)));
     }
 
     fn on_edges_examined(&mut self, phase: SearchPhase, lines: &mut dyn Iterator<Item = [DVec2; 2]>) {

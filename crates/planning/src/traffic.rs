@@ -270,7 +270,7 @@ impl<F: FnMut(Pose) -> bool> SearchSpace for YieldSpace<'_, F> {
         for (index, motion) in search.motions.into_iter().enumerate() {
             let turns_back = node.turns_back(motion.is_reverse());
             let cost = node.cost + LATTICE.step_m + if turns_back { CUSP_M } else { 0.0 };
-            search.push(cost, cost, from.node, Step::Motion { index: index as u8 });
+            search.push(cost, cost, from.node, Step::Motion { index: index as u8, alike: 0 });
         }
     }
 

@@ -3,6 +3,7 @@
 //! Ranks decide what happens first at one instant ([`Rank`](super::queue::Rank)); a system acts only on what is next in
 //! the queue. A pass therefore may do little, and the instant is over when nothing more is due at it.
 
+use super::queue::{Due, SimClock, SimQueue};
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -40,6 +41,22 @@ impl Plugin for SchedulePlugin {
             });
         });
         use SimSystems::{End, Fire, Traffic, Truck, Wake, Wumpus};
-        app.configure_sets(Pass, (Fire, Wake, Wumpus, Truck, Traffic, End).chain());
+        // Sets of systems that would find nothing to act on are left out: most passes are about one of them.
+        let fire = Fire.run_if(fire_is_next);
+        let wake = Wake.run_if(agent_is_next);
+        let wumpus = Wumpus.run_if(agent_is_next);
+        let truck = Truck.run_if(agent_is_next);
+        let traffic = Traffic.run_if(agent_is_next);
+        app.configure_sets(Pass, (fire, wake, wumpus, truck, traffic, End).chain());
     }
+}
+
+/// Returns whether what is next is due now and concerns no agent.
+fn fire_is_next(clock: Res<SimClock>, queue: Res<SimQueue>) -> bool {
+    queue.next(clock.0).is_some_and(|due| !matches!(due, Due::Agent(..)))
+}
+
+/// Returns whether what is next is due now and concerns an agent.
+fn agent_is_next(clock: Res<SimClock>, queue: Res<SimQueue>) -> bool {
+    queue.next(clock.0).is_some_and(|due| matches!(due, Due::Agent(..)))
 }

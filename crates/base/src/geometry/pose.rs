@@ -30,7 +30,7 @@ impl Pose {
     /// Unit vector of the heading.
     #[inline]
     pub fn direction(self) -> DVec2 {
-        let (sin, cos) = ops::sin_cos(self.heading);
+        let (sin, cos) = ops::recurring_sin_cos(self.heading);
         DVec2::new(cos, sin)
     }
 

@@ -19,8 +19,9 @@ impl Segment {
     pub fn pose_at(&self, start: Pose, travelled_m: f64) -> Pose {
         let half_turn = 0.5 * self.curvature * travelled_m;
         // The chord of the arc, along the mean heading: exact however small the curvature is.
-        let chord = if half_turn == 0.0 { travelled_m } else { 2.0 * ops::sin(half_turn) / self.curvature };
-        let (sin, cos) = ops::sin_cos(start.heading + half_turn);
+        let chord =
+            if half_turn == 0.0 { travelled_m } else { 2.0 * ops::recurring_sin_cos(half_turn).0 / self.curvature };
+        let (sin, cos) = ops::recurring_sin_cos(start.heading + half_turn);
         Pose::new(start.x + cos * chord, start.y + sin * chord, start.heading + self.curvature * travelled_m)
     }
 

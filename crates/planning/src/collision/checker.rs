@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec2;
 
+use super::field::Interpolated;
 use super::rectangle::Rectangle;
 use super::{ClearanceField, sweep};
 use wildfire_base::geometry::{Cell, OrientedRect, Pose, ops};
@@ -27,6 +28,12 @@ const AMPLE_M: f64 = 0.15;
 /// The exact distance looks this far beyond the minimum clearance.
 const EXACT_REACH_M: f64 = 1.5;
 
+/// Less than the root of a half: see [`Rectangle::gap_to`].
+const SURE_SHARE: f64 = 0.7;
+
+/// Metres that decide nothing: far more than sums and roots of metres are rounded by.
+const ROUNDING_M: f64 = 1e-6;
+
 /// A collision checker for one body on one field.
 ///
 /// # Method
@@ -38,13 +45,16 @@ const EXACT_REACH_M: f64 = 1.5;
 pub struct CollisionChecker {
     field: Arc<ClearanceField>,
     body: Dimensions,
+    /// From the body's middle outwards.
     discs: Vec<Disc>,
     /// Of every disc.
     cover_radius: f64,
+    /// Of the disc about the centre of the first that holds all of the body.
+    outer_radius: f64,
     /// The clearance that the body keeps in any case, metres.
     min_clearance_m: f64,
-    /// Other bodies that stand on the field.
-    obstacles: Vec<Rectangle>,
+    /// Other bodies that stand on the field, each with the radius of the circle about it.
+    obstacles: Vec<(Rectangle, f64)>,
     /// Questions that it and its copies were asked, where somebody counts them.
     calls: Option<Arc<AtomicU64>>,
 }
@@ -78,8 +88,9 @@ impl CollisionChecker {
     /// Creates a checker for a body on a field without other bodies.
     pub fn new(field: Arc<ClearanceField>, body: Dimensions) -> Self {
         let (discs, cover_radius) = cover(&body);
+        let outer_radius = ops::hypot(0.5 * body.length_m + discs[0].offset.abs(), 0.5 * body.width_m);
         let min_clearance_m = MIN_CLEARANCE_M;
-        Self { field, body, discs, cover_radius, min_clearance_m, obstacles: Vec::new(), calls: None }
+        Self { field, body, discs, cover_radius, outer_radius, min_clearance_m, obstacles: Vec::new(), calls: None }
     }
 
     /// Returns a checker that keeps another clearance than [`MIN_CLEARANCE_M`] in any case.
@@ -92,7 +103,8 @@ impl CollisionChecker {
     /// They count as bushes do, except in the field's own answers to points and lines.
     pub fn with_obstacles(&self, obstacles: impl IntoIterator<Item = OrientedRect>) -> Self {
         let mut crowded = self.clone();
-        crowded.obstacles.extend(obstacles.into_iter().map(Rectangle::from));
+        let obstacles = obstacles.into_iter().map(Rectangle::from);
+        crowded.obstacles.extend(obstacles.map(|outline| (outline, outline.radius())));
         crowded
     }
 
@@ -138,7 +150,8 @@ impl CollisionChecker {
     /// case.
     pub fn pose_is_free(&self, pose: Pose, min_clearance: f64) -> bool {
         self.count_call();
-        self.clearance_from(&self.place(pose), min_clearance.max(self.min_clearance_m)).is_some()
+        let min_clearance = min_clearance.max(self.min_clearance_m);
+        self.clearance_from(&self.place(pose), min_clearance, min_clearance).is_some()
     }
 
     /// Returns whether the body keeps at least `min_clearance` metres, and [`MIN_CLEARANCE_M`] in any case, all along
@@ -150,8 +163,8 @@ impl CollisionChecker {
         self.count_call();
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
-        sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
-            self.excess(&motion, travelled, min_clearance)
+        sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled, enough| {
+            self.excess(&motion, travelled, min_clearance, enough)
         })
     }
 
@@ -162,7 +175,7 @@ impl CollisionChecker {
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
         let prefix = sweep::proven_prefix(motion.length_m, motion.rate, tolerance, |travelled| {
-            self.excess(&motion, travelled, min_clearance)
+            self.excess(&motion, travelled, min_clearance, f64::INFINITY)
         });
         if prefix == motion.length_m { segment.length_m.abs() } else { prefix }
     }
@@ -177,8 +190,8 @@ impl CollisionChecker {
         let motion = SweptMotion::new(start, segment, &self.body);
         let (min_clearance, tolerance) = self.clearance_and_tolerance(min_clearance);
         let mut refused = None;
-        let is_free = sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled| {
-            let excess = self.excess(&motion, travelled, min_clearance);
+        let is_free = sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled, enough| {
+            let excess = self.excess(&motion, travelled, min_clearance, enough);
             refused = refused.or(excess.is_none().then_some(travelled));
             excess
         });
@@ -204,7 +217,8 @@ impl CollisionChecker {
             is_near.then_some(NearestObstacle { obstacle, gap_m: squared.sqrt() })
         });
         let bodies = self.obstacles.iter();
-        let bodies = bodies.map(|other| NearestObstacle { obstacle: Obstacle::Body, gap_m: rectangle.gap_to(other) });
+        let bodies =
+            bodies.map(|(other, _)| NearestObstacle { obstacle: Obstacle::Body, gap_m: rectangle.gap_to(other) });
         let border = NearestObstacle { obstacle: Obstacle::Border, gap_m: rectangle.border_gap(frame) };
         bodies.chain(bushes).fold(border, |nearest, other| if other.gap_m < nearest.gap_m { other } else { nearest })
     }
@@ -215,9 +229,10 @@ impl CollisionChecker {
     }
 
     #[inline]
-    fn excess(&self, motion: &SweptMotion, travelled: f64, min_clearance: f64) -> Option<f64> {
+    fn excess(&self, motion: &SweptMotion, travelled: f64, min_clearance: f64, enough: f64) -> Option<f64> {
         let (centre, axis) = motion.body_at(travelled);
-        self.clearance_from(&self.rectangle(centre, axis), min_clearance).map(|clearance| clearance - min_clearance)
+        let clearance = self.clearance_from(&self.rectangle(centre, axis), min_clearance, min_clearance + enough);
+        clearance.map(|clearance| clearance - min_clearance)
     }
 
     fn place(&self, pose: Pose) -> Rectangle {
@@ -230,35 +245,86 @@ impl CollisionChecker {
     }
 
     /// A lower bound, no less than `min_clearance`, of the body's clearance; `None` if the true clearance is less.
+    ///
+    /// A lower bound of `enough` is not made better.
     #[inline]
-    fn clearance_from(&self, rectangle: &Rectangle, min_clearance: f64) -> Option<f64> {
-        let border = self.border_gap(rectangle);
+    fn clearance_from(&self, rectangle: &Rectangle, min_clearance: f64, enough: f64) -> Option<f64> {
+        let clearance = self.clearance_on_field(rectangle, min_clearance, enough)?;
+        let clearance = if self.obstacles.is_empty() { clearance } else { self.obstacle_gap(rectangle, clearance) };
+        (clearance >= min_clearance).then_some(clearance)
+    }
+
+    /// Does the same as if no other bodies stood on the field.
+    #[inline]
+    fn clearance_on_field(&self, rectangle: &Rectangle, min_clearance: f64, enough: f64) -> Option<f64> {
+        // Each kind of lattice has its own copy: what a coarse one needs besides stays out of the other's way.
+        if self.field.is_coarse() {
+            self.clearance_by(rectangle, min_clearance, enough, |point| self.field.interpolate(point))
+        } else {
+            self.clearance_by(rectangle, min_clearance, enough, |point| self.field.read_lattice(point))
+        }
+    }
+
+    #[inline(always)]
+    fn clearance_by(
+        &self,
+        rectangle: &Rectangle,
+        min_clearance: f64,
+        enough: f64,
+        interpolate: impl Fn(DVec2) -> Interpolated,
+    ) -> Option<f64> {
+        let border = rectangle.border_gap(self.field.frame());
         // From cheap to costly: the border, discs on the lattice of distances, and bushes one by one.
         if border < min_clearance {
             return None;
         }
         let mut min_squared = f64::INFINITY;
-        for disc in &self.discs {
-            let bound = self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset);
+        // Metres from a bush to the body, which holds the inner discs, are at most this much and the lattice's spread.
+        let mut max_gap = f64::INFINITY;
+        for (number, disc) in self.discs.iter().enumerate() {
+            let bound = interpolate(rectangle.centre + rectangle.axis * disc.offset);
             if bound.is_surely_below(disc.inner_radius + min_clearance) {
                 return None;
             }
-            min_squared = min_squared.min(bound.min_squared());
+            let squared = bound.min_squared();
+            // In the open, what is known about the first is enough for all of the body.
+            let open = self.outer_radius + enough + ROUNDING_M;
+            if number == 0 && squared >= open * open && border >= enough + ROUNDING_M {
+                return Some((squared.sqrt() - self.outer_radius).min(border));
+            }
+            min_squared = lesser(min_squared, squared);
+            max_gap = lesser(max_gap, bound.distance_m() - disc.inner_radius);
         }
         let cover = min_squared.max(0.0).sqrt() - self.cover_radius;
         // Discs cover the body, so they underestimate: enough by them is enough.
         if cover >= min_clearance + AMPLE_M {
             return Some(cover.min(border));
         }
-        let exact = rectangle.bush_gap(&self.field, min_clearance + EXACT_REACH_M);
+        // The nearest bush is nearer than this, so that a look at those farther away would change nothing.
+        let reach = (min_clearance + EXACT_REACH_M).min(max_gap.max(0.0) + self.field.max_spread_m());
+        let exact = rectangle.bush_gap(&self.field, reach);
         (exact >= min_clearance).then_some(exact.min(border))
     }
 
     /// Metres to the field's border and to obstacles besides bushes; negative where a corner is outside.
-    #[inline]
     fn border_gap(&self, rectangle: &Rectangle) -> f64 {
         let border = rectangle.border_gap(self.field.frame());
-        self.obstacles.iter().map(|other| rectangle.gap_to(other)).fold(border, f64::min)
+        self.obstacles.iter().map(|(other, _)| rectangle.gap_to(other)).fold(border, f64::min)
+    }
+
+    /// Metres to the nearest of the obstacles besides bushes, or `limit`, not negative, if that is less.
+    fn obstacle_gap(&self, rectangle: &Rectangle, limit: f64) -> f64 {
+        let radius = rectangle.radius();
+        self.obstacles.iter().fold(limit, |min, (other, other_radius)| {
+            // A gap is at least the part `SURE_SHARE` of what lies between the circles about both bodies, so that most
+            // bodies of a crowd are left out without a root.
+            let far = min.max(0.0) / SURE_SHARE + radius + other_radius;
+            if (other.centre - rectangle.centre).length_squared() >= far * far {
+                min
+            } else {
+                min.min(rectangle.gap_to(other))
+            }
+        })
     }
 
     fn cover_clearance(&self, rectangle: &Rectangle) -> f64 {
@@ -268,6 +334,12 @@ impl CollisionChecker {
             .map(|disc| self.field.interpolate(rectangle.centre + rectangle.axis * disc.offset).min_squared());
         squared.fold(f64::INFINITY, f64::min).max(0.0).sqrt() - self.cover_radius
     }
+}
+
+/// Returns the lesser of two numbers. Where neither is NaN, as here, it takes one instruction.
+#[inline]
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
 }
 
 /// Discs of one radius whose union holds the body: as many as the length has widths.
@@ -280,7 +352,10 @@ fn cover(body: &Dimensions) -> (Vec<Disc>, f64) {
         let offset = (2 * index + 1) as f64 * half_share - half_length;
         Disc { offset, inner_radius: half_width.min(half_length - offset.abs()) }
     };
-    ((0..count as usize).map(disc).collect(), ops::hypot(half_share, half_width))
+    let mut discs: Vec<Disc> = (0..count as usize).map(disc).collect();
+    // The inner discs in the middle are the largest, so that what collides is known soonest by them.
+    discs.sort_by(|a, b| a.offset.abs().total_cmp(&b.offset.abs()));
+    (discs, ops::hypot(half_share, half_width))
 }
 
 /// A length, but no more than once round the circle, after which the same poses come again.
@@ -324,7 +399,7 @@ impl SweptMotion {
         if turn == 0.0 {
             return (self.start.position() + self.axis * (signed + self.centre_offset), self.axis);
         }
-        let (sin, cos) = ops::sin_cos(turn);
+        let (sin, cos) = ops::recurring_sin_cos(turn);
         // In the frame of the start: the rear axle is at (sin, 1 - cos) / curvature.
         let axis = self.axis.rotate(DVec2::new(cos, sin));
         let chord = self.axis.rotate(DVec2::new(sin, 1.0 - cos)) / self.curvature;
@@ -394,7 +469,29 @@ mod tests {
         let (discs, radius) = cover(&Dimensions::default());
         assert_eq!(discs.len(), 3);
         assert!((radius - 1.370).abs() < 1e-3);
-        assert!((discs[0].inner_radius - 0.817).abs() < 1e-3 && discs[1].inner_radius == 1.1);
+        assert!(discs[0].inner_radius == 1.1 && (discs[1].inner_radius - 0.817).abs() < 1e-3);
+    }
+
+    #[test]
+    fn in_a_crowd_a_pose_is_free_if_it_is_so_on_the_field_and_beside_everybody() {
+        let mut rng = rng::stream(7, "collision/checker");
+        let (mut free, mut crowded_out) = (0, 0);
+        for _ in 0..40 {
+            let (test, alone) = checker(&mut rng);
+            let others: Vec<OrientedRect> =
+                (0..12).map(|_| random_body(&mut rng).footprint(test.random_pose(&mut rng))).collect();
+            let crowd = alone.with_obstacles(others.iter().copied());
+            for _ in 0..200 {
+                let pose = test.random_pose(&mut rng);
+                let min_clearance: f64 = rng.random_range(0.05..3.0);
+                let outline = Rectangle::from(alone.body().footprint(pose));
+                let is_apart = others.iter().all(|&other| outline.gap_to(&other.into()) >= min_clearance);
+                let is_free = alone.pose_is_free(pose, min_clearance);
+                assert_eq!(crowd.pose_is_free(pose, min_clearance), is_free && is_apart, "{pose:?} {min_clearance}");
+                if is_free && is_apart { free += 1 } else { crowded_out += u32::from(is_free) }
+            }
+        }
+        assert!(free > 300 && crowded_out > 100, "{free} free, {crowded_out} crowded out");
     }
 
     #[test]

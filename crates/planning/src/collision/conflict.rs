@@ -111,7 +111,8 @@ impl Rectangle {
         beyond(self, other).max(beyond(other, self))
     }
 
-    fn radius(&self) -> f64 {
+    /// Returns the radius of the circle about it.
+    pub fn radius(&self) -> f64 {
         ops::hypot(self.half_length, self.half_width)
     }
 }

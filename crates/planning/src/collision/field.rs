@@ -52,6 +52,8 @@ pub struct ClearanceField {
     frame: FieldFrame,
     occupied: Grid<bool>,
     lattice: Grid<f32>,
+    /// Column and row of the last square of the lattice.
+    last_cell: (u32, u32),
     spacing_m: f64,
     steps_per_m: f64,
     /// True if the lattice is coarse, so that cells about a point are looked at.
@@ -72,7 +74,13 @@ impl Interpolated {
     /// A lower bound of the squared distance; it may be negative.
     #[inline]
     pub fn min_squared(self) -> f64 {
-        (self.distance_m * self.distance_m - self.spread_m2).max(self.min_m2)
+        let by_lattice = self.distance_m * self.distance_m - self.spread_m2;
+        if by_lattice > self.min_m2 { by_lattice } else { self.min_m2 }
+    }
+
+    /// Metres by interpolation, from which the distance differs by no more than [`ClearanceField::max_spread_m`].
+    pub fn distance_m(self) -> f64 {
+        self.distance_m
     }
 
     /// An upper bound of the distance.
@@ -110,7 +118,9 @@ impl ClearanceField {
         });
         let steps_per_m = 1.0 / spacing_m;
         let looks_at_cells = spacing_m > SPACING_M;
-        Self { frame, occupied: occupied.clone(), lattice, spacing_m, steps_per_m, looks_at_cells }
+        // Two columns and two rows at least, as a field has a cell.
+        let last_cell = (cols as u32 - 2, rows as u32 - 2);
+        Self { frame, occupied: occupied.clone(), lattice, last_cell, spacing_m, steps_per_m, looks_at_cells }
     }
 
     /// Returns the bytes that it takes on a field, and those needed additionally while it is computed.
@@ -161,7 +171,7 @@ impl ClearanceField {
         let length = along.length();
         let direction = if length > 0.0 { along / length } else { DVec2::ZERO };
         let needed = radius.max(0.0) + LINE_SLACK_M;
-        let excess = |travelled: f64| {
+        let excess = |travelled: f64, _| {
             let point = from + direction * travelled;
             let bound = self.lower_bound(point);
             let distance = if bound < needed { self.distance(point) } else { bound };
@@ -172,14 +182,27 @@ impl ClearanceField {
 
     /// Reads the lattice at a point of the field; beyond it, at the nearest lattice square. Of a coarse lattice it looks at
     /// the cells about the point too.
-    #[inline]
+    // A pose is a handful of these and little else: as calls they took a third longer.
+    #[inline(always)]
     pub(super) fn interpolate(&self, point: DVec2) -> Interpolated {
         let interpolated = self.read_lattice(point);
         if self.looks_at_cells { self.look_at_cells(point, interpolated) } else { interpolated }
     }
 
+    /// Returns whether the cells about a point say more than the lattice.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.looks_at_cells
+    }
+
+    /// Returns by how many metres the distance from a point near a bush may exceed the interpolated one.
+    pub(super) fn max_spread_m(&self) -> f64 {
+        // V is at most half the square of the spacing; what stored distances lack is far less than the rest.
+        0.75 * self.spacing_m
+    }
+
     /// Makes what the lattice says of a point better by the cell that holds it and the eight round it; of a point outside,
     /// by what is nearest inside.
+    #[inline(never)]
     fn look_at_cells(&self, point: DVec2, by_lattice: Interpolated) -> Interpolated {
         let rows = self.occupied.rows();
         let cols = self.occupied.cols();
@@ -220,15 +243,16 @@ impl ClearanceField {
         }
     }
 
-    #[inline]
-    fn read_lattice(&self, point: DVec2) -> Interpolated {
+    #[inline(always)]
+    pub(super) fn read_lattice(&self, point: DVec2) -> Interpolated {
         let x = point.x * self.steps_per_m;
         let y = point.y * self.steps_per_m;
-        // A point on the last line belongs to the last cell.
-        let col = (x as usize).min(self.lattice.cols() - 2);
-        let row = (y as usize).min(self.lattice.rows() - 2);
-        let (t, u) = (x - col as f64, y - row as f64);
-        let first = row * self.lattice.cols() + col;
+        // A point on the last line belongs to the last cell. Numbers of 32 bits are converted in half the instructions.
+        let col = (x as u32).min(self.last_cell.0);
+        let row = (y as u32).min(self.last_cell.1);
+        let t = x - f64::from(col);
+        let u = y - f64::from(row);
+        let first = row as usize * self.lattice.cols() + col as usize;
         let values = self.lattice.values();
         let south = &values[first..first + 2];
         let north = &values[first + self.lattice.cols()..first + self.lattice.cols() + 2];
@@ -247,8 +271,9 @@ impl ClearanceField {
         let low = (point - reach) / cell;
         let high = (point + reach) / cell;
         // Casts clamp at 0; the last index is clamped here.
-        let cols = low.x as usize..(high.x as usize + 1).min(self.occupied.cols());
-        let rows = low.y as usize..(high.y as usize + 1).min(self.occupied.rows());
+        let beyond = [high.x, high.y].map(|high| (high as u32).saturating_add(1) as usize);
+        let cols = low.x as u32 as usize..beyond[0].min(self.occupied.cols());
+        let rows = low.y as u32 as usize..beyond[1].min(self.occupied.rows());
         rows.flat_map(move |row| {
             let line = self.occupied.row(row);
             let y = (row as f64 + 0.5) * cell;

@@ -1,5 +1,7 @@
 //! Exact distances from a rectangle to squares and to the border.
 
+use std::ops::ControlFlow;
+
 use glam::DVec2;
 
 use super::ClearanceField;
@@ -37,20 +39,24 @@ impl Rectangle {
         let half = self.half_box();
         let low = self.centre - half;
         let high = DVec2::new(frame.width_m(), frame.height_m()) - self.centre - half;
-        if low.is_nan() || high.is_nan() { f64::NEG_INFINITY } else { low.min_element().min(high.min_element()) }
+        if low.is_nan() || high.is_nan() {
+            return f64::NEG_INFINITY;
+        }
+        [low.y, high.x, high.y].into_iter().fold(low.x, |least, gap| if gap < least { gap } else { least })
     }
 
     /// Returns the exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.
     #[inline]
     pub fn bush_gap(&self, field: &ClearanceField, reach: f64) -> f64 {
         let half_cell = 0.5 * field.frame().cell_m;
-        let mut min = reach * reach;
-        for centre in field.bushes_near(self.centre, self.half_box() + DVec2::splat(reach)) {
-            min = self.squared_gap_to_square(centre, half_cell, min);
-            if min == 0.0 {
-                break;
-            }
-        }
+        let mut near = field.bushes_near(self.centre, self.half_box() + DVec2::splat(reach));
+        // On contact nothing is nearer.
+        let min =
+            near.try_fold(reach * reach, |min, centre| match self.squared_gap_to_square(centre, half_cell, min) {
+                0.0 => ControlFlow::Break(0.0),
+                squared => ControlFlow::Continue(squared),
+            });
+        let (ControlFlow::Break(min) | ControlFlow::Continue(min)) = min;
         min.sqrt()
     }
 

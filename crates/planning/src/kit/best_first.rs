@@ -16,6 +16,7 @@ use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dimensions, Path, Segment};
 use wildfire_grid::open_list::{OpenList, Ranked};
 
+use super::clearance_profile::longest_first;
 use super::closed_set::ClosedSet;
 use super::lattice::{Lattice, motions};
 use super::motion_price::MotionPrice;
@@ -92,8 +93,8 @@ pub enum Step<S> {
     Arrive,
     /// Offer the steps that may follow the node.
     Expand,
-    /// Sweep a motion of the lattice.
-    Motion { index: u8 },
+    /// Sweep a motion of the lattice. So many of those after it have the same key and cost, and come after it in order.
+    Motion { index: u8, alike: u8 },
     /// A step defined by the search space.
     Custom(S),
 }
@@ -248,7 +249,9 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
         space: &mut P,
         limit: u32,
     ) -> Result<Path, SearchFailure> {
-        while let Some(best) = self.open.pop() {
+        // What comes next without having been in the open list.
+        let mut next = None;
+        while let Some(best) = next.take().or_else(|| self.open.pop()) {
             // Memory is asked for before the step, which could otherwise exceed it; a refusal ends like a spent budget.
             if !space.has_room(self) {
                 return Err(SearchFailure::BudgetSpent);
@@ -271,7 +274,20 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                     space.offer_successors(self, best);
                     None
                 }
-                Step::Motion { index } => self.drive(space, best, index),
+                Step::Motion { index, alike } => {
+                    let at_goal = self.drive(space, best, index);
+                    if alike > 0 {
+                        let step = Step::Motion { index: index + 1, alike: alike - 1 };
+                        let rest = Candidate { sequence: best.sequence + 1, step, ..best };
+                        // Mostly nothing comes in between, which saves a push and a pop.
+                        if self.open.is_next(&rest) {
+                            next = Some(rest);
+                        } else {
+                            self.open.push(rest);
+                        }
+                    }
+                    at_goal
+                }
                 Step::Custom(step) => space.take(self, best, step),
             };
             if let Some(node) = at_goal {
@@ -292,14 +308,27 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     /// Their keys rest on the node's own cost-to-go, from which a motion takes off no more than it costs: most are
     /// never swept, and none is worked out before.
     pub fn offer_motions(&mut self, index: u32, price: &MotionPrice, weight: f64) {
-        let node = self.nodes[index as usize];
-        let motions = self.motions;
-        for (choice, motion) in motions.into_iter().enumerate().filter(|&(_, motion)| !node.is_undone_by(motion)) {
-            let step = motion.length_m.abs() * price.rate(motion);
-            let cost = node.cost + step + if node.turns_back(motion.is_reverse()) { price.cusp() } else { 0.0 };
-            let key = cost + weight * (node.cost_to_go - step).max(0.0);
-            self.push(key, cost, index, Step::Motion { index: choice as u8 });
+        let node = &self.nodes[index as usize];
+        let mut alike: Option<Candidate<S>> = None;
+        for (choice, motion) in (0..).zip(self.motions).filter(|&(_, motion)| !node.is_undone_by(motion)) {
+            let length_price = motion.length_m.abs() * price.rate(motion);
+            let cost = node.cost + length_price + if node.turns_back(motion.is_reverse()) { price.cusp() } else { 0.0 };
+            let key = cost + weight * (node.cost_to_go - length_price).max(0.0);
+            match &mut alike {
+                Some(Candidate {
+                    key: its_key, cost: its_cost, step: Step::Motion { index: first, alike }, ..
+                }) if key == *its_key && cost == *its_cost && choice == *first + *alike + 1 => {
+                    *alike += 1;
+                }
+                waiting => {
+                    let step = Step::Motion { index: choice, alike: 0 };
+                    let next = Candidate { key, cost, sequence: self.sequence, node: index, step };
+                    self.open.extend(waiting.replace(next));
+                }
+            }
+            self.sequence += 1;
         }
+        self.open.extend(alike);
     }
 
     /// Returns true if the bin of a pose is known to be reached as cheaply.
@@ -397,14 +426,9 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     /// Returns the whole path by way of a node, if its analytic expansion is free.
     fn arrive<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, index: u32) -> Option<Path> {
         let expansion = space.analytic_expansion(self.node(index));
-        let mut pose = self.node(index).pose;
-        // Segments are swept in order, as each begins where the last one ended; the first collision ends it.
-        let is_free = expansion.segments().all(|segment| {
-            let from = pose;
-            pose = segment.end(from);
-            space.motion_is_free(from, segment)
-        });
-        if !is_free {
+        // Most are in the way of something, above all in their long segments.
+        let mut segments = longest_first(self.node(index).pose, expansion.segments());
+        if !segments.all(|(from, segment)| space.motion_is_free(from, segment)) {
             return None;
         }
         let mut path = self.path_to(space, index);

@@ -9,6 +9,8 @@ use crate::collision::CollisionChecker;
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::Segment;
 
+const NOTHING: Segment = Segment { curvature: 0.0, length_m: 0.0 };
+
 /// Clearance gained for every metre away from a tight end.
 const RAMP: f64 = 0.1;
 /// Near a tight end, motions are judged in pieces of this length.
@@ -76,7 +78,7 @@ impl ClearanceProfile {
         pose: Pose,
         segments: impl IntoIterator<Item = Segment>,
     ) -> bool {
-        longest_first(pose, segments).into_iter().all(|(from, segment)| self.motion_is_free(checker, from, segment))
+        longest_first(pose, segments).all(|(from, segment)| self.motion_is_free(checker, from, segment))
     }
 
     fn pieces_are_free(&self, checker: &CollisionChecker, start: Pose, segment: Segment) -> bool {
@@ -131,21 +133,43 @@ impl ClearanceProfile {
     }
 }
 
-/// Reeds-Shepp curves have no more segments.
-const MAX_OF_A_CURVE: usize = 5;
+/// Two Reeds-Shepp curves have no more segments.
+const MAX_OF_TWO_CURVES: usize = 10;
 
-/// Returns consecutive segments from `pose`, each with the pose at which it begins, the longest first.
+/// Segments, each with the pose at which it begins, the longest first.
+#[derive(Debug)]
+pub struct LongestFirst {
+    row: [(Pose, Segment); MAX_OF_TWO_CURVES],
+    count: usize,
+}
+
+/// Returns consecutive segments from `pose`, of at most two Reeds-Shepp curves, each with the pose at which it begins.
 ///
-/// A long one is the likeliest to be in the way of something, so that a way that is not free is known sooner.
-pub fn longest_first(pose: Pose, segments: impl IntoIterator<Item = Segment>) -> Vec<(Pose, Segment)> {
-    let mut pose = pose;
-    let mut row: Vec<(Pose, Segment)> = Vec::with_capacity(MAX_OF_A_CURVE);
+/// The longest comes first: it is the likeliest to be in the way of something, so that a way that is not free is known
+/// sooner.
+pub fn longest_first(pose: Pose, segments: impl IntoIterator<Item = Segment>) -> LongestFirst {
+    let mut row = [(pose, NOTHING); MAX_OF_TWO_CURVES];
+    let mut count = 0;
+    // Where a segment begins is worked out when it is known that there is one.
     for segment in segments {
-        row.push((pose, segment));
-        pose = segment.end(pose);
+        let begins = if count == 0 { pose } else { row[count - 1].1.end(row[count - 1].0) };
+        row[count] = (begins, segment);
+        count += 1;
     }
-    row.sort_by(|(_, a), (_, b)| b.length_m.abs().total_cmp(&a.length_m.abs()));
-    row
+    LongestFirst { row, count }
+}
+
+impl Iterator for LongestFirst {
+    type Item = (Pose, Segment);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let metres = self.row[..self.count].iter().map(|(_, segment)| segment.length_m.abs());
+        let (longest, _) = metres.enumerate().reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+        let next = self.row[longest];
+        self.row.copy_within(longest + 1..self.count, longest);
+        self.count -= 1;
+        Some(next)
+    }
 }
 
 #[cfg(test)]
@@ -221,7 +245,7 @@ mod tests {
         let start = Pose::new(3.0, 4.0, 0.5);
         let segments =
             [1.0, -7.0, 3.0, 7.0].map(|length_m| Segment { curvature: 0.05 * f64::signum(length_m), length_m });
-        let row = longest_first(start, segments);
+        let row: Vec<(Pose, Segment)> = longest_first(start, segments).collect();
         assert_eq!(row.iter().map(|(_, segment)| segment.length_m).collect::<Vec<_>>(), [-7.0, 7.0, 3.0, 1.0]);
         let mut pose = start;
         for segment in segments {

@@ -66,13 +66,21 @@ impl PoseHeuristic {
                 let centre = self.body.body_centre(pose);
                 let straight = |disc: &GoalDisc| centre.distance(disc.centre) - disc.radius_m;
                 // The nearest by the straight line first: its value rules out most of the others.
-                let nearest = (0..discs.len()).min_by(|&a, &b| straight(&discs[a]).total_cmp(&straight(&discs[b])));
-                let nearest = nearest.expect("there is a disc");
-                let mut best = self.disc_value(pose, after_reverse, (discs[nearest], straight(&discs[nearest])));
+                let mut nearest = 0;
+                let mut nearest_m = straight(&discs[0]);
+                for (index, disc) in discs.iter().enumerate().skip(1) {
+                    let straight_m = straight(disc);
+                    if straight_m.total_cmp(&nearest_m).is_lt() {
+                        nearest = index;
+                        nearest_m = straight_m;
+                    }
+                }
+                let mut best = self.disc_value(pose, after_reverse, (discs[nearest], nearest_m), f64::INFINITY);
                 for (index, disc) in discs.iter().enumerate() {
+                    let straight_m = straight(disc);
                     // No way into the disc is shorter than the straight line.
-                    if index != nearest && straight(disc) < best.cost_to_go {
-                        let value = self.disc_value(pose, after_reverse, (*disc, straight(disc)));
+                    if index != nearest && straight_m < best.cost_to_go {
+                        let value = self.disc_value(pose, after_reverse, (*disc, straight_m), best.cost_to_go);
                         if value.cost_to_go < best.cost_to_go {
                             best = value;
                         }
@@ -83,14 +91,23 @@ impl PoseHeuristic {
         }
     }
 
-    /// Returns the estimate for one disc, whose rim is so far away in a straight line.
-    fn disc_value(&self, pose: Pose, after_reverse: Option<bool>, (disc, straight): (GoalDisc, f64)) -> HeuristicValue {
+    /// Returns the estimate for one disc, whose rim is so far away in a straight line, or another one that is no less than
+    /// the limit.
+    fn disc_value(
+        &self,
+        pose: Pose,
+        after_reverse: Option<bool>,
+        (disc, straight): (GoalDisc, f64),
+        limit: f64,
+    ) -> HeuristicValue {
         if straight <= 0.0 {
             return HeuristicValue { cost_to_go: 0.0, expansion: Some(AnalyticExpansion::new([], 0.0)) };
         }
-        let found = self.steering.best_into(pose, disc, after_reverse);
-        let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
         let max = straight + DETOUR_CAP_M;
+        // A way that costs more than the limit still counts where the estimate is capped below it.
+        let limit = if max < limit { f64::INFINITY } else { limit };
+        let found = self.steering.best_into_below(pose, disc, after_reverse, limit);
+        let expansion = found.map(|found| AnalyticExpansion::new(found.pieces(), found.cost));
         HeuristicValue { cost_to_go: expansion.map_or(max, |way| way.cost.min(max)), expansion }
     }
 

@@ -117,6 +117,15 @@ impl CellOrBorder {
     }
 }
 
+/// A cell whose neighbours are offered.
+struct ExpandedCell {
+    place: CellOrBorder,
+    /// Where its cost is kept.
+    slot: usize,
+    /// True away from the edges of its tile: the costs of those about it are at the same distances in memory.
+    is_inside: bool,
+}
+
 impl HolonomicHeuristic {
     pub fn new(memory: &MemoryMeter) -> Self {
         Self::holding(memory.holder(MemoryKind::Searches))
@@ -211,7 +220,7 @@ impl HolonomicHeuristic {
                 // It was reached more cheaply after it had been put here.
                 continue;
             }
-            self.expand(field, from, cost);
+            self.expand(field, from, slot, cost);
             expanded += 1;
             // Where the cell lies in a pocket, the search would flood all the rest of the field before it knew.
             if expanded == PATIENCE && self.costs[queried] == UNREACHED {
@@ -220,20 +229,26 @@ impl HolonomicHeuristic {
         }
     }
 
-    /// Offers the cells round one.
-    fn expand(&mut self, field: &ClearanceField, from: CellOrBorder, cost: u32) {
-        let beside = BESIDE.map(|step| self.offer(field, from.moved(step), cost + MOVE_COSTS.0));
+    /// Offers the cells round one, whose cost is kept in `slot`.
+    fn expand(&mut self, field: &ClearanceField, place: CellOrBorder, slot: usize, cost: u32) {
+        let is_inside = [place.row(), place.col()].into_iter().all(|place| (1..TILE - 1).contains(&(place % TILE)));
+        let from = ExpandedCell { place, slot, is_inside };
+        let beside = BESIDE.map(|step| self.offer(field, &from, place.moved(step), cost + MOVE_COSTS.0));
         for k in 0..4 {
             // Nothing passes between two bushes that touch at a corner.
             if beside[k] || beside[(k + 1) % 4] {
-                self.offer(field, from.moved_between(k), cost + MOVE_COSTS.1);
+                self.offer(field, &from, place.moved_between(k), cost + MOVE_COSTS.1);
             }
         }
     }
 
-    /// Reaches a cell at a cost, unless a lower one is known; says whether it is open.
-    fn offer(&mut self, field: &ClearanceField, place: CellOrBorder, cost: u32) -> bool {
-        let slot = self.slot(field, place);
+    /// Reaches a cell from one beside it at a cost, unless a lower one is known; says whether it is open.
+    fn offer(&mut self, field: &ClearanceField, from: &ExpandedCell, place: CellOrBorder, cost: u32) -> bool {
+        let slot = if from.is_inside {
+            (from.slot + place.row() * TILE + place.col()) - (from.place.row() * TILE + from.place.col())
+        } else {
+            self.slot(field, place)
+        };
         let before = self.costs[slot];
         if cost < before {
             self.costs[slot] = cost;
@@ -320,11 +335,12 @@ impl HolonomicHeuristic {
         let first = |tile: usize| (tile * TILE).max(1);
         let tile_row = tile / self.tile_cols;
         let tile_col = tile % self.tile_cols;
+        let on_field = first(tile_col)..((tile_col + 1) * TILE).min(cols + 1);
         for row in first(tile_row)..((tile_row + 1) * TILE).min(rows + 1) {
-            for col in first(tile_col)..((tile_col + 1) * TILE).min(cols + 1) {
-                if !field.occupied()[(row - 1, col - 1)] {
-                    self.costs[(page * TILE + row % TILE) * TILE + col % TILE] = UNREACHED;
-                }
+            let bushes = &field.occupied().row(row - 1)[on_field.start - 1..on_field.end - 1];
+            let begins = (page * TILE + row % TILE) * TILE + on_field.start % TILE;
+            for (cost, &is_bush) in self.costs[begins..].iter_mut().zip(bushes) {
+                *cost = if is_bush { SHUT } else { UNREACHED };
             }
         }
         self.directory[tile] = page as u32;

@@ -12,7 +12,7 @@ use glam::DVec2;
 use rand::{Rng, RngExt};
 
 use crate::collision::CollisionChecker;
-use wildfire_base::geometry::Pose;
+use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::vehicle::{CurvePrice, Path, ReedsShepp, Segment};
 
 use super::clearance_profile::ClearanceProfile;
@@ -36,6 +36,8 @@ const FIRST_MOVE_M: f64 = 0.8;
 const MIN_MOVE_M: f64 = 0.05;
 /// How much it is turned, for every metre that it would be moved.
 const TURN_PER_M: f64 = 0.12;
+/// What decides between curves is far more than this, and what rounding adds to their costs far less.
+const BOUND_SLACK_M: f64 = 1e-9;
 /// The way is changed from this far before the middle of a bend to this far behind it.
 const REACH_M: f64 = 25.0;
 
@@ -163,7 +165,10 @@ impl PathImprover {
         let from = way.pose_at(from_m);
         let to = way.pose_at(to_m);
         for middle in moved(way.pose_at(middle_m), move_m) {
-            let Some(before) = self.curves.cheapest_word_below(from, middle, &self.price, bound) else { continue };
+            let bound_before = bound - self.min_between(middle, to) + BOUND_SLACK_M;
+            let Some(before) = self.curves.cheapest_word_below(from, middle, &self.price, bound_before) else {
+                continue;
+            };
             let Some(behind) = self.curves.cheapest_word_below(middle, to, &self.price, bound - before.price) else {
                 continue;
             };
@@ -175,6 +180,12 @@ impl PathImprover {
             }
         }
         false
+    }
+
+    /// Returns what no curve between two poses costs less than.
+    fn min_between(&self, from: Pose, to: Pose) -> f64 {
+        let turn_m = self.curves.radius_m * ops::wrap_angle(to.heading - from.heading).abs();
+        self.cost.min_per_metre() * from.position().distance(to.position()).max(turn_m)
     }
 
     /// Returns what a way must cost less than between two places for the whole to cost less than the limit: what remains of

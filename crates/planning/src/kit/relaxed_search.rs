@@ -191,15 +191,20 @@ impl RelaxedSearch {
         let &DriveEnds { start, target, ends } = drive;
         let field = self.checker.field();
         let body = self.checker.body();
-        // The estimates do not depend on a stage's clearance, so all stages share them.
+        // The estimates do not depend on a stage's clearance, so all stages share them. Most drives need none from the
+        // goal.
         self.walks[0].begin(field, target, target.position_of(start, body));
-        self.walks[1].begin(field, Target::Pose(start), target.position());
+        let mut walks_back = false;
         let mut ending = SearchFailure::Exhausted;
         for stage in schedule(self.settings.first_expansions) {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, f64::INFINITY);
             let profile = ClearanceProfile::new(min_clearance_m, ends.iter().copied());
             let (path, by) = match stage.effort {
                 StageMethod::Searches { lattice, forward, backward } => {
+                    if backward > 0 && !walks_back {
+                        self.walks[BACKWARD].begin(self.checker.field(), Target::Pose(start), target.position());
+                        walks_back = true;
+                    }
                     let starts_behind: Vec<Pose> = match target {
                         _ if backward == 0 => Vec::new(),
                         Target::Pose(end) => vec![end],

@@ -1,6 +1,6 @@
 //! Turns followed by straights, to a position or into a disc, at any final heading.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
@@ -21,6 +21,11 @@ const KNOT_M: f64 = 4.0;
 const WORTH_M: f64 = 0.05;
 /// Exits that are swept before the path is left as it is.
 const MAX_TRIES: usize = 6;
+
+/// A turn whose straight alone costs nearly as much as the limit is worked out, so that rounding decides nothing.
+const LIMIT_SLACK_M: f64 = 1e-3;
+/// What points as little as this, in radians, to the right of an axis may count as ahead by rounding.
+const AHEAD_RAD: f64 = 1e-6;
 
 const NOTHING: Segment = Segment { curvature: 0.0, length_m: 0.0 };
 
@@ -49,6 +54,27 @@ struct Exit {
     index: usize,
     travelled_m: f64,
     way: TurnStraight,
+}
+
+/// A pose from which a disc is to be steered into.
+#[derive(Clone, Copy, Debug)]
+struct Approach {
+    pose: Pose,
+    disc: GoalDisc,
+    /// The direction in which the truck came.
+    after_reverse: Option<bool>,
+    /// What costs as much as this need not be worked out.
+    limit: f64,
+}
+
+/// A straight to be found, with the turn before it.
+#[derive(Clone, Copy, Debug)]
+struct StraightAim {
+    /// 1 if the straight is driven forward, -1 in reverse.
+    sign: f64,
+    /// Metres from the body's axis to the left, where the disc's centre is to lie.
+    offset: f64,
+    turns_forward: bool,
 }
 
 /// Turn-straight steering (CS): finds motions that bring the centre of one body to a position or into a disc, at one
@@ -93,12 +119,23 @@ impl TurnStraightSteering {
     /// `after_reverse` says which way the truck came, for the price of a change of direction. Of equals, the first
     /// found: the nearer side, then turns alone, then forward before reverse.
     pub fn best_into(&self, pose: Pose, disc: GoalDisc, after_reverse: Option<bool>) -> Option<TurnStraight> {
+        self.best_into_below(pose, disc, after_reverse, f64::INFINITY)
+    }
+
+    /// Returns the same if it costs less than a limit; otherwise nothing, or one that costs no less than the limit.
+    pub fn best_into_below(
+        &self,
+        pose: Pose,
+        disc: GoalDisc,
+        after_reverse: Option<bool>,
+        limit: f64,
+    ) -> Option<TurnStraight> {
         let mut best: Option<TurnStraight> = None;
-        self.collect(pose, disc, after_reverse, &mut |found| {
+        self.collect(Approach { pose, disc, after_reverse, limit }, &mut |found| {
             if best.is_none_or(|best| found.cost < best.cost) {
                 best = Some(found);
             }
-            best.map_or(f64::INFINITY, |best| best.cost)
+            best.map_or(limit, |best| best.cost.min(limit))
         });
         best
     }
@@ -106,28 +143,23 @@ impl TurnStraightSteering {
     /// Returns all from a pose whose body centre is outside the disc, the cheapest first.
     pub fn all_into(&self, pose: Pose, disc: GoalDisc) -> Vec<TurnStraight> {
         let mut ways = Vec::new();
-        self.collect(pose, disc, None, &mut |found| {
+        let limit = f64::INFINITY;
+        self.collect(Approach { pose, disc, after_reverse: None, limit }, &mut |found| {
             ways.push(found);
-            f64::INFINITY
+            limit
         });
         ways.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         ways
     }
 
     /// Hands all of them to `take`, which answers with the cost from which on none needs to be worked out any more.
-    fn collect(
-        &self,
-        pose: Pose,
-        disc: GoalDisc,
-        after_reverse: Option<bool>,
-        take: &mut impl FnMut(TurnStraight) -> f64,
-    ) {
+    fn collect(&self, approach: Approach, take: &mut impl FnMut(TurnStraight) -> f64) {
+        let Approach { pose, disc, after_reverse, mut limit } = approach;
         let direction = pose.direction();
         let offset = disc.centre - pose.position();
         let x = offset.dot(direction);
         let y = direction.perp_dot(offset);
         let near_side = 1f64.copysign(y);
-        let mut limit = f64::INFINITY;
         for side in [near_side, -near_side] {
             // Seen from the turning circle's centre, mirrored for turns to the right.
             let target = DVec2::new(x, side * y - self.radius);
@@ -141,10 +173,10 @@ impl TurnStraightSteering {
             }
             // Turns that end before that, and a straight, forward first; each is aimed where it is shortest.
             for sign in [1.0, -1.0] {
-                for (offset, forward) in [(0.0, sign > 0.0), (-EDGE_SHARE * disc.radius_m, sign < 0.0)] {
-                    if let Some((angle, straight)) = self.tangent(target, sign, offset, disc.radius_m, limit) {
-                        let (angle, entry) =
-                            if forward { (angle, enters_forward) } else { (angle - TAU, enters_reverse) };
+                for (offset, turns_forward) in [(0.0, sign > 0.0), (-EDGE_SHARE * disc.radius_m, sign < 0.0)] {
+                    let aim = StraightAim { sign, offset, turns_forward };
+                    if let Some((angle, straight)) = self.tangent(target, aim, disc.radius_m, limit) {
+                        let entry = if turns_forward { enters_forward } else { enters_reverse };
                         if angle.abs() < entry {
                             limit = take(self.priced(turn(angle), straight, after_reverse));
                         }
@@ -167,11 +199,11 @@ impl TurnStraightSteering {
         (full_turn(middle - half), TAU - full_turn(middle + half))
     }
 
-    /// Returns the forward turning angle, in [0, 2 pi), after which a straight (forward for `sign` 1, reverse for -1) leads
-    /// into the disc, and that straight; the disc's centre then lies `offset` to the left of the axis.
+    /// Returns the turning angle, less than a full turn, after which a straight leads into the disc, and that straight.
     ///
-    /// `None` where there is none, or its straight alone costs the limit.
-    fn tangent(&self, target: DVec2, sign: f64, offset: f64, disc_radius: f64, limit: f64) -> Option<(f64, Segment)> {
+    /// `None` where there is none, or it is known without the angle that both together cost the limit.
+    fn tangent(&self, target: DVec2, aim: StraightAim, disc_radius: f64, limit: f64) -> Option<(f64, Segment)> {
+        let StraightAim { sign, offset, turns_forward } = aim;
         let lever = self.radius - offset;
         let along_squared = target.length_squared() - lever * lever;
         if along_squared < 0.0 {
@@ -182,8 +214,19 @@ impl TurnStraightSteering {
         let straight = Segment { curvature: 0.0, length_m: sign * length_m };
         let sin = lever * target.x + along * target.y;
         let cos = along * target.x - lever * target.y;
-        let wanted = length_m >= 0.0 && self.price.cost(straight, None) < limit;
-        wanted.then(|| (full_turn(ops::atan2(sin, cos)), straight))
+        let straight_cost = self.price.cost(straight, None);
+        if !(length_m >= 0.0 && straight_cost < limit) {
+            return None;
+        }
+        // Most are ruled out by the quarter of the circle in which the turn ends.
+        let min_turn_m = self.radius * min_turn(sin, cos, turns_forward);
+        let turn =
+            Segment { curvature: 1.0 / self.radius, length_m: if turns_forward { min_turn_m } else { -min_turn_m } };
+        if straight_cost + self.price.cost(turn, None) > limit + LIMIT_SLACK_M {
+            return None;
+        }
+        let angle = full_turn(ops::atan2(sin, cos));
+        Some((if turns_forward { angle } else { angle - TAU }, straight))
     }
 
     #[inline]
@@ -259,6 +302,19 @@ impl TurnStraightSteering {
     }
 }
 
+/// Returns what no turn is less than, in radians, that is driven forward or in reverse and ends in a direction given by
+/// multiples of its sine and its cosine.
+fn min_turn(sin: f64, cos: f64, forward: bool) -> f64 {
+    let quarters = match (sin >= 0.0, cos >= 0.0) {
+        (true, true) => [0.0, 3.0],
+        (true, false) => [1.0, 2.0],
+        (false, false) => [2.0, 1.0],
+        (false, true) if sin > -AHEAD_RAD * cos => [0.0, 0.0],
+        (false, true) => [3.0, 0.0],
+    };
+    FRAC_PI_2 * if forward { quarters[0] } else { quarters[1] }
+}
+
 /// Returns the same angle in [0, 2 pi).
 fn full_turn(angle: f64) -> f64 {
     let wrapped = ops::wrap_angle(angle);
@@ -293,9 +349,10 @@ mod tests {
         after_reverse: Option<bool>,
     ) -> Vec<TurnStraight> {
         let mut aims = Vec::new();
-        steering.collect(pose, disc, after_reverse, &mut |aim| {
+        let limit = f64::INFINITY;
+        steering.collect(Approach { pose, disc, after_reverse, limit }, &mut |aim| {
             aims.push(aim);
-            f64::INFINITY
+            limit
         });
         aims
     }
@@ -313,8 +370,17 @@ mod tests {
                 continue;
             }
             let aims = all(&steering, pose, disc, None);
-            let min = aims.iter().map(|aim| aim.cost).fold(f64::INFINITY, f64::min);
-            assert_eq!(steering.best_into(pose, disc, None).map_or(f64::INFINITY, |best| best.cost), min);
+            let mut first_of_best: Option<TurnStraight> = None;
+            for &aim in &aims {
+                first_of_best = first_of_best.filter(|best| aim.cost >= best.cost).or(Some(aim));
+            }
+            assert_eq!(steering.best_into(pose, disc, None), first_of_best);
+            // A limit leaves out what costs as much, and nothing else.
+            let min = first_of_best.map_or(f64::INFINITY, |best| best.cost);
+            for limit in [0.5 * min, min, min + 1e-9, 2.0 * min] {
+                let below = steering.best_into_below(pose, disc, None, limit).filter(|best| best.cost < limit);
+                assert_eq!(below, first_of_best.filter(|best| best.cost < limit), "below {limit}");
+            }
             for aim in &aims {
                 let path = Path { start: pose, segments: aim.pieces().collect() };
                 let end = body.body_centre(path.end()).distance(centre);

@@ -323,13 +323,13 @@ impl PolicySet {
         } else {
             let seen = Observation { now, fires, agents: &agents, options_of: &by_name };
             let PolicyEntry { policy, custom_name } = &mut self.policies[policy.0];
-            let mut stopwatch = CpuStopwatch::start();
+            // The time of a team's policy is measured with what else its decision takes.
+            let is_measured = custom_name.is_some() && policy.asking() == PolicyScope::Each;
+            let stopwatch = is_measured.then(CpuStopwatch::start);
             choices = policy.choose(&seen, &ids);
             if let Some(name) = custom_name {
                 let mut report = policy.take_report();
-                // The time of a team's policy is measured with what else its decision takes.
-                let here =
-                    if policy.asking() == PolicyScope::Each { stopwatch.elapsed_since_last() } else { Duration::ZERO };
+                let here = stopwatch.map_or(Duration::ZERO, |mut stopwatch| stopwatch.elapsed_since_last());
                 self.custom_stats.add_cpu(here, report.elsewhere);
                 let is_team = policy.asking() != PolicyScope::Each;
                 let illegal = refuse_illegal(&mut choices, &agents, &by_name, is_team);

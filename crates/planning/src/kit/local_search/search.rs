@@ -317,7 +317,7 @@ impl SearchSpace for PrimitiveSpace<'_> {
             let cost = node.cost + (price.cost(motion, node.reverse) + surcharge);
             let gained = gap - (centre + DVec2::new(cos, sin).rotate(shifts[choice])).distance(disc.centre);
             let key = cost + weight * (node.cost_to_go - 0.5 * (settings.step_m + gained) - surcharge).max(0.0);
-            search.push(key, cost, index, Step::Motion { index: choice as u8 });
+            search.push(key, cost, index, Step::Motion { index: choice as u8, alike: 0 });
         }
     }
 

@@ -248,15 +248,16 @@ impl PrmRs {
         self.roadmap.forget_beyond(MAX_REMEMBERED);
         let mut effort = Effort::default();
         let found = self.find(start, target, &mut effort, observer);
-        observer.begins(Some(PlanningWork::Local));
         let found = match found {
             Some((Found { path, by }, Some(profile))) => {
+                observer.begins(Some(PlanningWork::Local));
                 // The stream is cloned, so that a query draws the same numbers whatever was asked before.
                 let path = self.improver.improve(&path, &profile, self.improvement, &mut self.rng.clone());
                 Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by })
             }
             Some((found, None)) => Ok(found),
             None => {
+                observer.begins(Some(PlanningWork::Local));
                 // To an observer the fallback is no search of its own: where it begins was shown.
                 let found = self.fallback.find(start, target, &mut ConnectionsOnly(observer));
                 effort.local_expansions += self.fallback.expansions();

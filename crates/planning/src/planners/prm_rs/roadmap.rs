@@ -1,6 +1,7 @@
 //! The roadmap of `prm-rs`: poses joined by Reeds-Shepp curves, either built before the first query or grown by
 //! queries.
 
+use std::cmp::Ordering;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -315,7 +316,13 @@ impl Roadmap {
 
     /// Puts nodes in the order of the numbers beside them, ties by what does not depend on earlier searches.
     fn put_in_order(&self, found: &mut [(f64, u32)]) {
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1))));
+        found.sort_unstable_by(|a, b| self.order(a, b));
+    }
+
+    /// Compares nodes by the numbers beside them, which are not negative and so compare as their bits do.
+    #[inline]
+    fn order(&self, a: &(f64, u32), b: &(f64, u32)) -> Ordering {
+        a.0.to_bits().cmp(&b.0.to_bits()).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)))
     }
 
     fn rank(&self, node: u32) -> u64 {
@@ -386,22 +393,30 @@ impl Roadmap {
     /// Keeps this number of the nodes, those that a truck gets to soonest, as an estimate says.
     fn keep_nearest(&self, node: &Milestone, count: usize, near: &mut Vec<(f64, u32)>) {
         for (metres, other) in near.iter_mut() {
-            let there = &self.nodes[*other as usize];
-            // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
-            let middle = node.pose.position().lerp(there.pose.position(), 0.5);
-            let is_hopeless = self.checker.field().lower_bound(middle) < HOPELESS_M;
-            *metres = if is_hopeless { f64::INFINITY } else { self.estimate_m(node, there, *metres) };
+            *metres = self.estimate_m(node, &self.nodes[*other as usize], *metres);
         }
-        near.retain(|&(metres, _)| metres < f64::INFINITY);
-        if near.len() > count {
-            // Selecting is linear where sorting all would not be; ties by rank keep the same neighbours in every run.
-            let order =
-                |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then_with(|| self.rank(a.1).cmp(&self.rank(b.1)));
-            near.select_nth_unstable_by(count, order);
-            near.truncate(count);
+        // Selecting is linear where sorting all would not be. Most of those that are selected are kept.
+        let mut looked_at = 0;
+        let mut kept = 0;
+        while kept < count && looked_at < near.len() {
+            let next = &mut near[looked_at..];
+            let selected = (2 * (count - kept)).min(next.len());
+            if selected < next.len() {
+                next.select_nth_unstable_by(selected, |a, b| self.order(a, b));
+            }
+            self.put_in_order(&mut next[..selected]);
+            for index in looked_at..looked_at + selected {
+                let (_, other) = near[index];
+                // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
+                let middle = node.pose.position().lerp(self.nodes[other as usize].pose.position(), 0.5);
+                if kept < count && self.checker.field().lower_bound(middle) >= HOPELESS_M {
+                    near[kept] = near[index];
+                    kept += 1;
+                }
+            }
+            looked_at += selected;
         }
-        // The selection leaves them in an order that depends on the library.
-        self.put_in_order(near);
+        near.truncate(kept);
     }
 
     /// Estimates how long the curve between two nodes is: the straight line, what turning into it and out of it costs, and no
@@ -483,9 +498,9 @@ impl Roadmap {
         }
         let way = *self.way(edge);
         let start = self.pose(self.edges[edge as usize].nodes[0]);
-        let row = longest_first(start, way.curve.segments());
+        let mut row = longest_first(start, way.curve.segments());
         let clearance_m = self.clearances_m[level];
-        let is_free = row.into_iter().all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
+        let is_free = row.all(|(from, segment)| self.checker.motion_is_free(from, segment, clearance_m));
         self.edges[edge as usize].is_free[level] = Some(is_free);
         is_free
     }
