@@ -38,7 +38,7 @@ pub struct AttainArguments {
     /// Seeds, such as `7`, `1..5`, `1,5,9` or `@seeds.txt`.
     #[arg(short, long, default_value = "1..5", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: SeedsArgument,
-    /// Try at most so many choices of a decision: the cells nearest to the truck.
+    /// Alternatives to try for each decision: the cells nearest to the truck.
     #[arg(long, default_value_t = 4, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
     /// Play at most so many runs for each seed.
@@ -132,7 +132,7 @@ impl From<&AttainReport> for Document {
         let [(_, lost), _, (_, headroom)] = &series;
         let mean = headroom.mean().unwrap_or(0.0);
         let lost = lost.mean().unwrap_or(0.0);
-        Self::new(format!("{}: what dispatchers who know the future could save", report.scenario)).with([
+        Self::new(format!("{}: what perfect foresight could save", report.scenario)).with([
             Block::Text(format!(
                 "Of {} bushes that a run loses, at least {} could be saved, on average over {} seeds.",
                 rounded(lost, 1),
@@ -141,8 +141,8 @@ impl From<&AttainReport> for Document {
             )),
             Table { rules_before, ..Table::new(&headings, rows) }.into(),
             Block::Text(
-                "Regret is what trucks would save that went elsewhere at some of their decisions (answers), all else by \
-                 their policies; found in so many runs."
+                "Regret: bushes saved by changing the given number of decisions (answers), all else as the policies have \
+                 it; the best of so many runs."
                     .to_owned(),
             ),
         ])

@@ -153,7 +153,7 @@ pub enum Command {
         #[command(subcommand)]
         command: ArenaCommand,
     },
-    /// Run again up to a time and then otherwise: another answer, another policy, another planner.
+    /// Rerun up to a time, then change a decision, a policy or a planner.
     Fork(ForkArguments),
     /// Judge the decisions of a run: what every other choice would have cost or saved.
     Why(WhyArguments),
@@ -174,7 +174,7 @@ pub enum Command {
         #[command(subcommand)]
         command: MapCommand,
     },
-    /// Map what runs leave on every cell: when fire came, how strong, how often over a batch, and what trucks change.
+    /// Maps of arrival, intensity, burn probability and the effect of trucks.
     MapOf(MapOfArguments),
     /// Compute the shortest curves with a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),

@@ -132,6 +132,23 @@ impl StopRequest {
     }
 }
 
+/// Returns a title for each variant; where a rule is about the best, the first variant of an entry has the entry's.
+fn titles(plan: &BatchPlan) -> Vec<String> {
+    let mut titles: Vec<String> = plan.variants.iter().map(|variant| plan.title(variant)).collect();
+    if matches!(plan.until.as_ref().map(|rule| rule.goal), Some(StoppingGoal::Groups { .. })) {
+        for variants in plan.entries() {
+            let of_entry: Vec<_> = variants.iter().map(|&variant| &plan.variants[variant]).collect();
+            titles[variants[0]] = plan.title_of_all(&of_entry);
+        }
+    }
+    titles
+}
+
+/// Returns whether a difference is known to be within a margin above zero.
+fn is_within(Interval { low, high }: Interval, margin: f64) -> bool {
+    margin > 0.0 && -margin <= low && high <= margin
+}
+
 fn swept(plan: &BatchPlan) -> Vec<&[Value]> {
     plan.variants.iter().map(|variant| &variant.swept[..]).collect()
 }
@@ -175,17 +192,13 @@ impl Look {
         let Some(StoppingRule { metric, .. }) = &plan.until else { return Vec::new() };
         let more = self.estimates.len().saturating_sub(MAX_LISTED);
         let more = (more > 0).then(|| format!("and {more} more; `wildfire compare` lists them"));
-        let entries = plan.entries();
-        let is_about_entries = matches!(plan.until.as_ref().map(|rule| rule.goal), Some(StoppingGoal::Groups { .. }));
-        let title = |variant: usize| {
-            let of_entry = entries.iter().find(|variants| is_about_entries && variants[0] == variant);
-            let variants = of_entry.map_or_else(|| vec![variant], Vec::clone);
-            plan.title_of_all(&variants.iter().map(|&variant| &plan.variants[variant]).collect::<Vec<_>>())
-        };
+        let titles = titles(plan);
         let estimates = self.estimates.iter().take(MAX_LISTED).map(|estimate| {
             let what = match estimate.of {
-                EstimateOf::Variant(variant) => title(variant),
-                EstimateOf::Pair(VariantPair { first, second }) => format!("{} minus {}", title(second), title(first)),
+                EstimateOf::Variant(variant) => titles[variant].clone(),
+                EstimateOf::Pair(VariantPair { first, second }) => {
+                    format!("{} minus {}", titles[second], titles[first])
+                }
             };
             let after =
                 if estimate.seeds < self.seeds { format!(", after {} seeds", estimate.seeds) } else { String::new() };
@@ -196,7 +209,7 @@ impl Look {
         let open = self.estimates.iter().filter(|estimate| !estimate.is_settled).count();
         let unsettled = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.estimates.len()));
         let best = self.best(plan).map(|best| {
-            let titles: Vec<String> = best.into_iter().map(title).collect();
+            let titles: Vec<&str> = best.into_iter().map(|variant| &titles[variant][..]).collect();
             format!("The best, and those not known to be worse: {}.", titles.join("; "))
         });
         best.into_iter().chain(estimates).chain(more).chain(unsettled).chain([note.to_owned()]).collect()
@@ -321,9 +334,8 @@ impl Monitor {
             .collect();
         for estimate in &mut estimates {
             let EstimateOf::Pair(VariantPair { second, .. }) = estimate.of else { unreachable!("these are pairs") };
-            let is_close = |it: Interval| margin > 0.0 && -margin <= it.low && it.high <= margin;
             // An entry that is as good as the best plays on with it, since the best one may change.
-            if estimate.is_settled && !estimate.interval.is_some_and(is_close) {
+            if estimate.is_settled && !estimate.interval.is_some_and(|it| is_within(it, margin)) {
                 let variants = self.entries.iter().find(|variants| variants[0] == second).expect("it is an entry's");
                 variants.iter().for_each(|&variant| self.is_active[variant] = false);
             }
@@ -369,8 +381,7 @@ impl Monitor {
         let is_settled = !is_early
             && interval.is_some_and(|interval| match self.rule.goal {
                 StoppingGoal::Decided { margin } | StoppingGoal::Groups { margin } => {
-                    let Interval { low, high } = interval;
-                    interval.excludes_zero() || margin > 0.0 && -margin <= low && high <= margin
+                    interval.excludes_zero() || is_within(interval, margin)
                 }
                 StoppingGoal::Within { half_width } => interval.high - interval.low <= 2.0 * half_width,
             });
@@ -412,11 +423,16 @@ impl Batch {
             let seeds = if played == 0 { FIRST_LOOK } else { played + STEP }.min(max_seeds);
             let plan = Arc::clone(&shared_plan);
             let is_active = monitor.active().to_vec();
-            let is_wanted = move |run: u64| {
-                let RunPlace { variant, seed } = plan.place(run);
-                is_active[variant] && seed < seeds
-            };
-            self.run_some(is_wanted, &run, jobs, stop, &mut on_run)?;
+            self.run_some(
+                move |run: u64| {
+                    let RunPlace { variant, seed } = plan.place(run);
+                    is_active[variant] && seed < seeds
+                },
+                &run,
+                jobs,
+                stop,
+                &mut on_run,
+            )?;
             let mut rows = self.rows()?;
             let active = (0..self.plan().variants.len()).filter(|&variant| monitor.active()[variant]);
             for variant in active.collect::<Vec<_>>() {

@@ -26,7 +26,7 @@ pub use burn_map::{BurnMap, FireBehavior, Front};
 pub use cpu::{CpuHistory, CpuSample};
 pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
 pub use index::{
-    AgentStats, Burning, BushCounts, FollowedLeg, GroundCounts, GroundIndex, LineCell, RecordedSearch, RunIndex,
+    AgentStats, Burning, BushCounts, ClearedCell, FollowedLeg, GroundCounts, GroundIndex, RecordedSearch, RunIndex,
     SpreadMoment, SuppressionSpan, Wetting,
 };
 pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, LineOutcome, Outcome, Winner};

@@ -156,11 +156,11 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
 /// Returns the shots of a film: one from beginning to end, or the stops of a tour.
 fn shots(arguments: &RenderArguments, scene: &Scene, quiet: bool) -> Result<Shots, CliError> {
     let shots = if arguments.tour {
-        let shot = |TourStop { from, to, speed, options }| Shot {
-            moments: Moments { from, to, speed, fps: arguments.fps },
-            options,
-        };
-        tour(scene.runs[0], &scene.options).into_iter().map(shot).collect()
+        let mut shots = Vec::new();
+        for TourStop { from, to, speed, options } in tour(scene.runs[0], &scene.options) {
+            shots.push(Shot { moments: Moments { from, to, speed, fps: arguments.fps }, options });
+        }
+        shots
     } else {
         vec![Shot { moments: moments(arguments, scene.runs, quiet)?, options: scene.options.clone() }]
     };

@@ -175,10 +175,10 @@ impl BatchPlan {
     /// Returns whether these are the rule's: the first of its seeds, and at least one of them for each variant.
     pub(crate) fn has_seeds_of_rule(&self) -> bool {
         self.until.as_ref().is_none_or(|rule| {
-            let is_possible = |seeds: &u64| (1..=self.seeds.count()).contains(seeds);
+            let possible = 1..=self.seeds.count();
             rule.max_seeds.first(self.seeds.count()) == self.seeds
-                && (rule.played.is_empty()
-                    || rule.played.len() == self.variants.len() && rule.played.iter().all(is_possible))
+                && (rule.played.is_empty() || rule.played.len() == self.variants.len())
+                && rule.played.iter().all(|seeds| possible.contains(seeds))
         })
     }
 }

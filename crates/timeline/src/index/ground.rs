@@ -49,7 +49,7 @@ pub struct Wetting {
 
 /// A cell of line that crews have cleared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineCell {
+pub struct ClearedCell {
     pub cell: Cell,
     pub from: SimTime,
     /// False if the fire was there before the crew.
@@ -70,7 +70,7 @@ pub struct GroundIndex {
     /// By cell index, then time.
     wettings: Vec<Wetting>,
     /// In order of time.
-    line_cells: Vec<LineCell>,
+    line_cells: Vec<ClearedCell>,
     line: Option<LineOutcome>,
     cells: u32,
     /// Times, ascending: of ignitions, of ignitions of what had been extinguished, of both kinds of ends.
@@ -115,7 +115,7 @@ impl GroundIndex {
                 GroundFact::Cleared { flank, along_mm: so_far, holds } => {
                     let along = &mut along_mm[usize::from(flank)];
                     *along = so_far.max(*along);
-                    line_cells.push(LineCell { cell: event.cell, from: event.time, holds });
+                    line_cells.push(ClearedCell { cell: event.cell, from: event.time, holds });
                     let wetting = Wetting { cell: event.cell, from: event.time, until: SimTime::MAX };
                     wettings.extend(holds.then_some(wetting));
                 }
@@ -198,7 +198,7 @@ impl GroundIndex {
     }
 
     /// Returns the cells of line that crews have cleared, in order of time.
-    pub fn line_cells(&self) -> &[LineCell] {
+    pub fn line_cells(&self) -> &[ClearedCell] {
         &self.line_cells
     }
 

@@ -13,7 +13,7 @@ use std::cell::OnceCell;
 
 pub use agents::{AgentStats, FollowedLeg, SuppressionSpan};
 pub use bushes::{BushCounts, SpreadMoment};
-pub use ground::{Burning, GroundCounts, GroundIndex, LineCell, Wetting};
+pub use ground::{Burning, ClearedCell, GroundCounts, GroundIndex, Wetting};
 
 use agents::{AgentHistory, AgentReader, Surroundings};
 use bushes::{BushHistory, BushReader};

@@ -154,7 +154,7 @@ pub struct RankedPair {
 
 /// How the number of an entry's runs was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RunCounts {
+pub(crate) enum SampleSize {
     Fixed,
     /// By a rule that asked something of pairs of entries.
     ByPairs,
@@ -162,7 +162,7 @@ pub(crate) enum RunCounts {
     ByElimination,
 }
 
-impl RunCounts {
+impl SampleSize {
     /// Says how the runs of plans were chosen.
     fn of_plans<'a>(plans: impl Iterator<Item = &'a RecordedPlan>) -> Self {
         let goals: Vec<_> = plans.filter_map(|plan| plan.until.as_ref().map(|rule| rule.goal)).collect();
@@ -244,7 +244,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let runs: Vec<RunKey> = longest.runs.iter().map(RankedRun::key).collect();
     let contenders = contenders.zip(&entries.entries).map(|(contender, entry)| contender.aligned(entry, &runs));
     let by = (entries.strata > 1).then(|| listed(&entries.columns));
-    let counts = RunCounts::of_plans(settings.iter().map(RecordedSettings::plan));
+    let counts = SampleSize::of_plans(settings.iter().map(RecordedSettings::plan));
     let (ranked, pairs) = ranked(contenders.collect(), &runs, by, Order { metric: &metric, better, counts });
     Ok(Ranking {
         better,
@@ -362,7 +362,7 @@ impl RankInput {
 pub(crate) struct Order<'a> {
     pub metric: &'a Metric,
     pub better: Better,
-    pub counts: RunCounts,
+    pub counts: SampleSize,
 }
 
 /// Puts entries in order and gives them their means, ranks and groups; `runs` are the seeds and strata of all of them, and
@@ -429,18 +429,18 @@ fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, order: &
         let pairs = pairs.filter(|pair| !pair.numbers.iter().any(|number| number.is_nan())).collect();
         let found = Contrast::from_numbers(metric, pairs, by.clone()).expect("every entry has runs");
         match counts {
-            RunCounts::Fixed => found.contrast,
+            SampleSize::Fixed => found.contrast,
             _ => found.of_stopped_runs(counts.error(*places, count)).contrast,
         }
     });
     let contrasts: Vec<Contrast> = contrasts.collect();
-    let is_fixed = counts == RunCounts::Fixed;
+    let is_fixed = counts == SampleSize::Fixed;
     let p_values = adjusted(contrasts.iter().map(|contrast| is_fixed.then(|| contrast.p_value.unwrap_or(1.0))));
     let pairs = places.into_iter().zip(contrasts).zip(p_values);
     pairs
         .map(|((places, contrast), p_adjusted)| {
             // An entry that the rule dropped is known to be worse than the best one of then.
-            let was_dropped = counts == RunCounts::ByElimination
+            let was_dropped = counts == SampleSize::ByElimination
                 && places[0] == 0
                 && contenders[places[1]].entry.runs < contenders[0].entry.runs;
             let excludes_zero = !is_fixed && contrast.interval.is_some_and(Interval::excludes_zero);
