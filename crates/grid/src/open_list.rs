@@ -90,8 +90,15 @@ impl<T: Ranked> PartialOrd for BestFirst<T> {
     /// What heaps ask for. Priorities mostly differ, and then one comparison of numbers is enough.
     #[inline]
     fn le(&self, other: &Self) -> bool {
-        let (a, b) = (self.0.priority(), other.0.priority());
-        a > b || (!(a < b) && self.cmp(other).is_le())
+        let priority = self.0.priority();
+        let of_other = other.0.priority();
+        if priority > of_other {
+            return true;
+        }
+        if priority < of_other {
+            return false;
+        }
+        self.cmp(other).is_le()
     }
 }
 

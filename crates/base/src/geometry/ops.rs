@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn recurring_angles_have_the_same_bits_as_others() {
-        let small = (0..120).map(|power| 1.37 * 0.5f64.powi(power));
+        let small = std::iter::successors(Some(1.37), |angle| Some(0.5 * angle)).take(120);
         let many =
             (-2 * REMEMBERED as i32..=2 * REMEMBERED as i32).flat_map(|k| [0.0137 * f64::from(k), f64::from(k % 7)]);
         // Both zeros, which differ in their sines; small angles, about where formulas change; more than are remembered, so

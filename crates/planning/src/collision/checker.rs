@@ -473,6 +473,29 @@ mod tests {
     }
 
     #[test]
+    fn knowing_no_more_than_is_needed_decides_as_knowing_all() {
+        let mut rng = rng::stream(8, "collision/checker");
+        let (mut free, mut refused) = (0, 0);
+        for _ in 0..40 {
+            let (test, checker) = checker(&mut rng);
+            for _ in 0..200 {
+                let start = test.random_pose(&mut rng);
+                let curvature = f64::from(rng.random_range(-1..=1)) * checker.body().max_curvature();
+                let segment = Segment { curvature, length_m: rng.random_range(-12.0..12.0) };
+                let clearance_m = rng.random_range(0.0..1.0);
+                let (min, tolerance) = checker.clearance_and_tolerance(clearance_m);
+                let motion = SweptMotion::new(start, segment, checker.body());
+                let by_all = sweep::holds_everywhere(motion.length_m, motion.rate, tolerance, |travelled, _| {
+                    checker.excess(&motion, travelled, min, f64::INFINITY)
+                });
+                assert_eq!(checker.motion_is_free(start, segment, clearance_m), by_all, "{start:?} {segment:?}");
+                if by_all { free += 1 } else { refused += 1 }
+            }
+        }
+        assert!(free > 300 && refused > 300, "{free} free, {refused} refused");
+    }
+
+    #[test]
     fn in_a_crowd_a_pose_is_free_if_it_is_so_on_the_field_and_beside_everybody() {
         let mut rng = rng::stream(7, "collision/checker");
         let (mut free, mut crowded_out) = (0, 0);

@@ -49,7 +49,6 @@ pub(super) fn holds_everywhere(
 }
 
 /// Returns whether it does so in an interval, by proving one end of it before the other is looked at.
-
 fn interval_holds(
     (from, to): (f64, f64),
     rate: f64,

@@ -556,6 +556,35 @@ mod tests {
     }
 
     #[test]
+    fn neighbours_are_the_first_of_all_in_order_that_are_not_hopeless() {
+        let field = TestField::random(3, 45);
+        let roadmap = roadmap(&field);
+        let mut fewer = 0;
+        for node in 0..roadmap.node_count() {
+            let here = roadmap.nodes[node];
+            let all = (0..roadmap.node_count() as u32).filter(|&other| other as usize != node);
+            let all: Vec<(f64, u32)> =
+                all.map(|other| (here.pose.position().distance(roadmap.pose(other).position()), other)).collect();
+            let mut wanted: Vec<(f64, u32)> = Vec::new();
+            for &(metres, other) in &all {
+                let there = &roadmap.nodes[other as usize];
+                let middle = here.pose.position().lerp(there.pose.position(), 0.5);
+                if field.checker.field().lower_bound(middle) >= HOPELESS_M {
+                    wanted.push((roadmap.estimate_m(&here, there, metres), other));
+                }
+            }
+            roadmap.put_in_order(&mut wanted);
+            for count in [1, 16, wanted.len() + 5] {
+                let mut kept = all.clone();
+                roadmap.keep_nearest(&here, count, &mut kept);
+                assert_eq!(kept, wanted[..count.min(wanted.len())], "{count} of node {node}");
+            }
+            fewer += u32::from(wanted.len() < all.len());
+        }
+        assert!(fewer > 50, "{fewer} nodes with hopeless ones about them");
+    }
+
+    #[test]
     fn links_lead_from_pose_to_pose_both_ways_and_free_ones_keep_the_clearance() {
         let mut free = 0;
         for seed in 0..4 {
