@@ -29,7 +29,8 @@ fn examples_of_the_help_are_understood() {
     for example in examples {
         // An output that cannot be written is what is found first, once the arguments make sense.
         let args: Vec<_> = example.split_whitespace().collect();
-        let outputs = ["still.png", "film.gif", "film.mp4", "run.html", "two.png", "near.png", "search.png"];
+        let outputs =
+            ["still.png", "film.gif", "film.mp4", "tour.mp4", "run.html", "two.png", "near.png", "search.png"];
         let nowhere: Vec<String> = args
             .iter()
             .map(|word| if outputs.contains(word) { format!("nowhere/{word}") } else { (*word).to_owned() })

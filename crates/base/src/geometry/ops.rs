@@ -7,21 +7,21 @@ use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 /// The number of angles whose sine and cosine a thread remembers, a power of two.
-const REMEMBERED: usize = 256;
+const PLACES: usize = 256;
 /// Odd, about 2^64 divided by the golden ratio: Knuth, "The Art of Computer Programming" 3, section 6.4.
 const FIBONACCI: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// An angle, bit by bit, with its sine and cosine.
 #[derive(Clone, Copy)]
-struct KnownAngle {
+struct RememberedAngle {
     bits: u64,
     sin_cos: (f64, f64),
 }
 
 thread_local! {
     /// Angle 0, which is known from the start, belongs to the first place.
-    static KNOWN: [Cell<KnownAngle>; REMEMBERED] =
-        const { [const { Cell::new(KnownAngle { bits: 0, sin_cos: (0.0, 1.0) }) }; REMEMBERED] };
+    static ANGLES: [Cell<RememberedAngle>; PLACES] =
+        const { [const { Cell::new(RememberedAngle { bits: 0, sin_cos: (0.0, 1.0) }) }; PLACES] };
 }
 
 #[inline]
@@ -47,15 +47,15 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
 #[inline]
 pub fn recurring_sin_cos(angle: f64) -> (f64, f64) {
     let bits = angle.to_bits();
-    let place = (bits.wrapping_mul(FIBONACCI) >> (u64::BITS - REMEMBERED.trailing_zeros())) as usize;
-    KNOWN.with(|known| {
-        let known = &known[place];
-        let remembered = known.get();
+    let place = (bits.wrapping_mul(FIBONACCI) >> (u64::BITS - PLACES.trailing_zeros())) as usize;
+    ANGLES.with(|angles| {
+        let slot = &angles[place];
+        let remembered = slot.get();
         if remembered.bits == bits {
             return remembered.sin_cos;
         }
         let sin_cos = sin_cos(angle);
-        known.set(KnownAngle { bits, sin_cos });
+        slot.set(RememberedAngle { bits, sin_cos });
         sin_cos
     })
 }
@@ -128,16 +128,15 @@ mod tests {
     #[test]
     fn recurring_angles_have_the_same_bits_as_others() {
         let small = std::iter::successors(Some(1.37), |angle| Some(0.5 * angle)).take(120);
-        let many =
-            (-2 * REMEMBERED as i32..=2 * REMEMBERED as i32).flat_map(|k| [0.0137 * f64::from(k), f64::from(k % 7)]);
+        let many = (-2 * PLACES as i32..=2 * PLACES as i32).flat_map(|k| [0.0137 * f64::from(k), f64::from(k % 7)]);
         // Both zeros, which differ in their sines; small angles, about where formulas change; more than are remembered, so
         // that places are taken over.
         for angle in [0.0, -0.0, PI, -PI].into_iter().chain(small).chain(many).cycle().take(9_000) {
-            let [known, fresh] =
+            let [remembered, fresh] =
                 [recurring_sin_cos(angle), sin_cos(angle)].map(|(sin, cos)| [sin.to_bits(), cos.to_bits()]);
-            assert_eq!(known, fresh, "{angle}");
+            assert_eq!(remembered, fresh, "{angle}");
             // Where both are asked for, one function answers in place of another.
-            assert_eq!(known[0], sin(angle).to_bits(), "{angle}");
+            assert_eq!(remembered[0], sin(angle).to_bits(), "{angle}");
         }
     }
 

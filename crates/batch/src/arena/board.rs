@@ -11,7 +11,7 @@ use super::card::data_card;
 use super::entry::class_of;
 use super::row::MAX_BYTES;
 use super::{ARENA_VERSION, ArenaEntry, ArenaError, ArenaRow, Class, TRACKS, Track, rows_hash};
-use crate::comparison::{Order, RankInput, RankedEntry, Ranking, RunKey, SampleSize, ranked};
+use crate::comparison::{RankBasis, RankInput, RankedEntry, Ranking, RunKey, SampleSize, ranked};
 use crate::plan::{COMMIT, EntryCard, PROGRAM_VERSION, Seeds};
 use crate::stats::{Interval, Series};
 use crate::table::Better;
@@ -394,8 +394,8 @@ impl TrackBoard {
             numbers: decisive.iter().map(|it| it.2).collect(),
         });
         let by = (strata > 1).then(|| crate::plan::CONDITION_COLUMN.to_owned());
-        let order = Order { metric: &metric, better: track.better, counts: SampleSize::Fixed };
-        let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), order);
+        let basis = RankBasis { metric: &metric, better: track.better, counts: SampleSize::Fixed };
+        let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), basis);
         let seeds: BTreeSet<u64> = runs.iter().map(|run| run.seed).collect();
         let ranking = Ranking {
             better: track.better,

@@ -49,7 +49,7 @@ pub use ranking::{
     EntryAudit, MAX_ENTRIES, RankedEntry, RankedPair, Ranking, RankingError, RankingRequest, USUAL_METRIC,
     USUALLY_FREE, WorstRun, decimals, rank, ranks,
 };
-pub(crate) use ranking::{Order, RankInput, RunKey, SampleSize, ranked};
+pub(crate) use ranking::{RankBasis, RankInput, RunKey, SampleSize, ranked};
 pub use settings::{Difference, SettingsDifference};
 pub use sides::{MAX_SIDES, Selection};
 

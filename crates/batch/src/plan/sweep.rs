@@ -6,7 +6,7 @@
 //! Values in equal steps may be written as a range, `0.05..0.20:0.05`. They are counted in decimal digits, so that the third
 //! is 0.15 and not the float beside it.
 
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 
 use thiserror::Error;
 
@@ -226,7 +226,7 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
             }
             seen.push(key);
         }
-        let mut steps = HashSet::new();
+        let mut steps = BTreeSet::new();
         for step in &sweep.steps {
             let written: Vec<&str> = step.iter().map(|setting| &setting.written[..]).collect();
             let value = written.join(", ");

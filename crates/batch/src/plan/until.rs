@@ -5,8 +5,6 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use wildfire_base::input_file::list_of_at_most;
-
 use super::{BatchPlan, FreeKeys, FreeParameters, RunLabel, Seeds, Value};
 
 /// What must be known of a metric before a batch stops, and the seeds that it has at most.
@@ -21,11 +19,7 @@ pub struct StoppingRule {
     #[schemars(with = "String")]
     pub max_seeds: Seeds,
     /// How many seeds each variant has played, in their order, where some stopped before others; else none.
-    #[serde(
-        default,
-        skip_serializing_if = "Vec::is_empty",
-        deserialize_with = "list_of_at_most::<MAX_COMPARED, _, _>"
-    )]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub played: Vec<u64>,
 }
 
@@ -136,8 +130,8 @@ impl BatchPlan {
         let mut entries: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
         for (index, variant) in self.variants.iter().enumerate() {
             let label = RunLabel::from_scenario(&variant.scenario, 0);
-            let own = self.swept_keys.iter().zip(&variant.swept).filter(|(key, _)| free.belongs_to_entry(key));
-            let values = own.map(|(_, value)| value.to_string());
+            let swept = self.swept_keys.iter().zip(&variant.swept).filter(|(key, _)| free.belongs_to_entry(key));
+            let values = swept.map(|(_, value)| value.to_string());
             let name: Vec<String> = [label.policy(), label.planner].into_iter().chain(values).collect();
             match entries.iter_mut().find(|(existing, _)| *existing == name) {
                 Some((_, variants)) => variants.push(index),

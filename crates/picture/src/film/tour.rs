@@ -44,8 +44,8 @@ pub fn tour(run: &RunView, options: &ViewOptions) -> Vec<TourStop> {
     stops.into_iter().flatten().collect()
 }
 
-/// A bush that was extinguished.
-struct Rescue {
+/// A bush that was extinguished before it would have burned out.
+struct LastSecond {
     /// The time in which it would have burned out.
     left: SimTime,
     time: SimTime,
@@ -139,21 +139,21 @@ impl Guide<'_> {
         let timeline = self.run.timeline();
         let burn_out = timeline.setting.rules.fire?.burn_out?;
         let mut ignited: BTreeMap<Cell, SimTime> = BTreeMap::new();
-        let mut closest: Option<Rescue> = None;
+        let mut closest: Option<LastSecond> = None;
         for event in &timeline.events {
             match event.bush_change() {
                 Some((cell, BushState::Burning { since })) => drop(ignited.insert(cell, since)),
                 Some((cell, BushState::Extinguished)) => {
-                    let Some(&lit) = ignited.get(&cell) else { continue };
-                    let left = (lit + burn_out).since(event.time);
+                    let Some(&since) = ignited.get(&cell) else { continue };
+                    let left = (since + burn_out).since(event.time);
                     if closest.as_ref().is_none_or(|closest| left < closest.left) {
-                        closest = Some(Rescue { left, time: event.time, cell });
+                        closest = Some(LastSecond { left, time: event.time, cell });
                     }
                 }
                 _ => {}
             }
         }
-        let Rescue { left, time, cell } = closest?;
+        let LastSecond { left, time, cell } = closest?;
         let seconds = left.as_seconds();
         let text = format!("The closest moment: extinguished {seconds:.1} s before it would have burned out");
         let mut stop = self.stop(time, MOMENT, text);

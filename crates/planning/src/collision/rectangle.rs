@@ -42,7 +42,7 @@ impl Rectangle {
         if low.is_nan() || high.is_nan() {
             return f64::NEG_INFINITY;
         }
-        [low.y, high.x, high.y].into_iter().fold(low.x, |least, gap| if gap < least { gap } else { least })
+        [low.y, high.x, high.y].into_iter().fold(low.x, |min, gap| if gap < min { gap } else { min })
     }
 
     /// Returns the exact distance to the nearest bush, or `reach` if none is nearer; 0 on contact.

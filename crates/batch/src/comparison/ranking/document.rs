@@ -51,8 +51,8 @@ impl From<&Ranking> for Document {
 /// What every entry played.
 fn played(ranking: &Ranking) -> Vec<String> {
     let seeds = visible_start(&ranking.seeds);
-    let most = if ranking.has_stopped_entries() { "at most " } else { "" };
-    let mut lines = vec![format!("Each entry: {most}{}, seeds {seeds}", count(ranking.runs, "run"))];
+    let bound = if ranking.has_stopped_entries() { "at most " } else { "" };
+    let mut lines = vec![format!("Each entry: {bound}{}, seeds {seeds}", count(ranking.runs, "run"))];
     lines.extend(ranking.stop.as_ref().map(|stop| format!("Stopping rule: {}", visible_start(stop))));
     if ranking.strata > 1 {
         let columns: Vec<String> = ranking.columns.iter().map(|column| visible_start(column)).collect();

@@ -245,7 +245,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
     let contenders = contenders.zip(&entries.entries).map(|(contender, entry)| contender.aligned(entry, &runs));
     let by = (entries.strata > 1).then(|| listed(&entries.columns));
     let counts = SampleSize::of_plans(settings.iter().map(RecordedSettings::plan));
-    let (ranked, pairs) = ranked(contenders.collect(), &runs, by, Order { metric: &metric, better, counts });
+    let (ranked, pairs) = ranked(contenders.collect(), &runs, by, RankBasis { metric: &metric, better, counts });
     Ok(Ranking {
         better,
         runs: longest.runs.len(),
@@ -359,7 +359,7 @@ impl RankInput {
 }
 
 /// By what entries are put in order.
-pub(crate) struct Order<'a> {
+pub(crate) struct RankBasis<'a> {
     pub metric: &'a Metric,
     pub better: Better,
     pub counts: SampleSize,
@@ -371,9 +371,9 @@ pub(crate) fn ranked(
     mut contenders: Vec<RankInput>,
     runs: &[RunKey],
     by: Option<String>,
-    order: Order<'_>,
+    basis: RankBasis<'_>,
 ) -> (Vec<RankedEntry>, Vec<RankedPair>) {
-    let better = order.better;
+    let better = basis.better;
     for RankInput { entry, numbers } in contenders.iter_mut().filter(|it| it.has_all_runs()) {
         entry.mean = Series::from_values(numbers).mean().expect("every entry has runs");
     }
@@ -383,7 +383,7 @@ pub(crate) fn ranked(
         let by_mean = better.best_first(one.mean, other.mean);
         by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
     });
-    let pairs = pairs(&contenders, runs, by, &order);
+    let pairs = pairs(&contenders, runs, by, &basis);
     let significance = Significance::new(
         contenders.len(),
         pairs.iter().filter(|it| it.is_significant).map(|it| (it.places[0], it.places[1])),
@@ -413,8 +413,8 @@ fn give_means_to_stopped(contenders: &mut [RankInput], better: Better) {
 }
 
 /// Contrasts all pairs of contenders in their order.
-fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, order: &Order<'_>) -> Vec<RankedPair> {
-    let Order { metric, counts, .. } = *order;
+fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, basis: &RankBasis<'_>) -> Vec<RankedPair> {
+    let RankBasis { metric, counts, .. } = *basis;
     let count = contenders.len();
     let places: Vec<[usize; 2]> =
         (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();

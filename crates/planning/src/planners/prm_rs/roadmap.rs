@@ -396,16 +396,16 @@ impl Roadmap {
             *metres = self.estimate_m(node, &self.nodes[*other as usize], *metres);
         }
         // Selecting is linear where sorting all would not be. Most of those that are selected are kept.
-        let mut looked_at = 0;
+        let mut examined = 0;
         let mut kept = 0;
-        while kept < count && looked_at < near.len() {
-            let next = &mut near[looked_at..];
+        while kept < count && examined < near.len() {
+            let next = &mut near[examined..];
             let selected = (2 * (count - kept)).min(next.len());
             if selected < next.len() {
                 next.select_nth_unstable_by(selected, |a, b| self.order(a, b));
             }
             self.put_in_order(&mut next[..selected]);
-            for index in looked_at..looked_at + selected {
+            for index in examined..examined + selected {
                 let (_, other) = near[index];
                 // Most curves pass near the middle of the chord: an obstacle there makes a sweep pointless.
                 let middle = node.pose.position().lerp(self.nodes[other as usize].pose.position(), 0.5);
@@ -414,7 +414,7 @@ impl Roadmap {
                     kept += 1;
                 }
             }
-            looked_at += selected;
+            examined += selected;
         }
         near.truncate(kept);
     }
