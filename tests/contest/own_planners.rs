@@ -377,7 +377,8 @@ fn calls_of_the_checker_are_charged_where_no_expansions_are_reported() {
         let truck = Outcome::new(&run.timeline).agents.pop().expect("it has a truck");
         truck.planning_s
     };
-    // An expansion of this planner is worth about eight calls.
+    // An expansion of this planner takes five or six calls, since one answer is good for several motions; eight are the price
+    // of an expansion, by the rules.
     let share = spent(false) / spent(true);
-    assert!((0.7..1.3).contains(&share), "{share}");
+    assert!((0.6..0.8).contains(&share), "{share}");
 }

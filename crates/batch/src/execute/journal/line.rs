@@ -161,7 +161,7 @@ mod tests {
             assert_eq!(entry(stuck.0, stuck.1).is_recorded(Record::Failed), expected, "{stuck:?}");
             assert!(!entry(stuck.0, stuck.1).is_recorded(Record::None));
         }
-        let line = encode(&serde_json::json!({ "label": { "run": 1 }, "status": "failed", "result": null }));
+        let line = encode(&serde_json::json!({ "label": { "run": 1, "seed": 7 }, "status": "failed", "result": null }));
         let failed: Entry = decode(&line[..line.len() - 1]).expect("it is a line");
         assert!(!failed.is_recorded(Record::All), "there is nothing to record");
     }
