@@ -72,7 +72,7 @@ class Panel {
         if (kind === "driven" || kind === "planned") return agents.length > 0;
         if (kind === "reverse" || kind === "unimog") return hasTrucks;
         if (kind === "wumpus") return agents.some(({ is_truck }) => !is_truck);
-        if (text === "line that was lost") return this.runs.some(({ ground }) => ground?.line.holds.includes(0));
+        if (text === "lost line") return this.runs.some(({ ground }) => ground?.line.holds.includes(0));
         return text !== "wet" || hasTrucks;
     }
 

@@ -510,13 +510,15 @@ class Desk {
 
     // The same run without a player, once for each policy of the side.
     async makeRivals(isCurrent) {
-        this.rivals = [];
+        // Whoever comes to the end again begins again.
+        const rivals = [];
+        this.rivals = rivals;
         for (const side of this.game.plays) {
             for (const { name, changes } of await this.module.ask({ do: "rivals", side })) {
                 try {
                     const result = await this.module.ask({ do: "rival", changes });
-                    if (!isCurrent()) return;
-                    this.rivals.push({ name, side, result });
+                    if (!isCurrent() || this.rivals !== rivals) return;
+                    rivals.push({ name, side, result });
                     this.showRivals();
                 } catch (error) {
                     if (error.isLeft || error.isFatal) throw error;

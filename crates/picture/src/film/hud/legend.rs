@@ -125,7 +125,7 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
     }
     if runs.iter().any(|run| run.timeline().setting.line.is_some()) {
         add(LegendSign::Cell(LINE), "line that holds");
-        add(LegendSign::Cell(LOST_LINE), "line that was lost");
+        add(LegendSign::Cell(LOST_LINE), "lost line");
     }
     entries
 }
