@@ -271,8 +271,11 @@ class Desk {
         if (!isCurrent()) return;
         if (this.state.has_ended) {
             this.finished = await this.module.ask({ do: "finish" });
-            if (isCurrent()) this.reachesEnd();
-            if (isCurrent()) await this.makeRivals(isCurrent);
+            if (!isCurrent()) return;
+            // The panel says who won instead of who leads.
+            this.player.isStale = true;
+            this.reachesEnd();
+            await this.makeRivals(isCurrent);
         } else {
             this.reachesEnd();
         }

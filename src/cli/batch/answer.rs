@@ -121,7 +121,13 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport, lo
         [one] => (format!("{}, seeds {}", one.title, plan.seeds), one.tables.blocks(), one.tally.sentences()),
         _ => {
             let sentences = report.notes().into_iter().chain(report.failure_sentences()).collect();
-            (format!("Seeds {} of each variant", plan.seeds), report.overview(), sentences)
+            // Variants that stopped before others have the first of them.
+            let has_all = plan.count() == plan.variants.len() as u64 * plan.seeds.count();
+            let title = match has_all {
+                true => format!("Seeds {} of each variant", plan.seeds),
+                false => format!("Seeds {}, {} of them by variant", plan.seeds, plan.seeds_text()),
+            };
+            (title, report.overview(), sentences)
         }
     };
     let files = format!("Files: {}", folder.path().display());

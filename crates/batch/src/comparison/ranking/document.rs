@@ -92,6 +92,7 @@ fn table(ranking: &Ranking) -> Table {
     let decimals = decimals(ranking);
     let mut headings = vec!["Entry", "Rank"];
     headings.extend(has_groups.then_some("Group"));
+    headings.extend(ranking.has_stopped_entries().then_some("Runs"));
     headings.extend(["Mean", "− first", "95%\nlow", "95%\nhigh"]);
     headings.extend(has_failed.then_some("Failed\nruns %"));
     headings.extend(has_failed_queries.then_some("Failed\nqueries %"));
@@ -102,12 +103,13 @@ fn table(ranking: &Ranking) -> Table {
         let interval = against_first.and_then(|contrast| contrast.interval);
         let mut cells = vec![name(entry), ranks(entry.ranks)];
         cells.extend(entry.groups.clone().filter(|_| has_groups));
+        cells.extend(ranking.has_stopped_entries().then(|| entry.runs.to_string()));
         cells.extend([
             rounded(entry.mean, decimals),
             optional(against_first.map(|contrast| contrast.difference), decimals),
         ]);
         cells.extend(Interval::ends(interval).map(|end| optional(end, decimals)));
-        cells.extend(has_failed.then(|| percent(entry.failed as f64 / ranking.runs as f64)));
+        cells.extend(has_failed.then(|| percent(entry.failed as f64 / entry.runs as f64)));
         let queries = &entry.queries;
         cells.extend(has_failed_queries.then(|| share_text(queries.failed, queries.drives + queries.failed)));
         cells.extend(has_failed_asks.then(|| share_text(queries.failed_asks, queries.asks)));
