@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use wildfire::batch::comparison::{ComparisonError, Questions, RankingRequest, Selection, Verdict, compare, rank};
 use wildfire::batch::execute::{Batch, BatchError, OutputFolder, RunScenario};
 use wildfire::batch::plan::{BatchPlan, Record, Slice, StoppingGoal, StoppingRule, Value, Variant};
-use wildfire::batch::stopping::{Look, PlayedBatch};
+use wildfire::batch::stopping::{Look, PlayedBatch, StopError, StopRequest, Until};
 use wildfire::batch::table::FinishedBatch;
 use wildfire::scenario::Scenario;
 
@@ -283,6 +283,28 @@ fn plan_of_a_batch_that_stopped_gives_the_same_rows() {
     let again = BatchPlan::read(&path("once")).expect("it was written");
     play(begin(again, "again"), 2);
     assert_same_rows(&path("once"), &path("again"));
+}
+
+/// A plan can be written by anybody, and then its metric need not have a better side.
+#[test]
+fn groups_of_a_metric_without_a_better_side_are_those_of_the_most() {
+    let scratch = tempfile::tempdir().expect("a scratch folder");
+    let of_class = class("1..30", GROUPS, Record::None);
+    let until = of_class.until.clone().map(|rule| StoppingRule { metric: "wumpus_distance_m".into(), ..rule });
+    let plan = BatchPlan { until, ..of_class };
+    let PlayedBatch { batch, .. } = play(Batch::begin(plan, folder(scratch.path())).expect("the disk is fine"), 2);
+    assert_eq!(batch.plan().played(), [30; 4], "no Wumpus walks, so that all are equal");
+}
+
+#[test]
+fn groups_of_one_entry_are_refused() {
+    let of_class = class("1..30", GROUPS, Record::None);
+    let request = StopRequest { until: Until::Groups, metric: None, equivalent: None };
+    assert!(request.rule(&of_class).is_ok());
+    // Without a column of entries, the scenarios are what one entry is averaged over.
+    let variants = of_class.variants.iter().map(|variant| Variant { swept: Vec::new(), ..variant.clone() }).collect();
+    let plan = BatchPlan { swept_keys: Vec::new(), variants, ..of_class };
+    assert!(matches!(request.rule(&plan), Err(StopError::OneEntry)));
 }
 
 #[test]

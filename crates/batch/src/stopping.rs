@@ -55,6 +55,10 @@ pub enum StopError {
     Metric(#[from] ComparisonError),
     #[error("`until` is `{until}`, which compares variants, and there is one")]
     OneVariant { until: &'static str },
+    #[error(
+        "`until` is `groups`, which compares entries, and there is one; expected planners, policies or settings of these that differ"
+    )]
+    OneEntry,
     #[error("a metric or a margin belongs to `decided` and `groups`; expected none beside METRIC=HALF-WIDTH")]
     NotDecided,
     #[error(
@@ -107,7 +111,7 @@ impl StopRequest {
         let usual = self.metric.as_deref().unwrap_or(USUAL_METRIC);
         let (metric, goal) = match &self.until {
             Until::Decided if plan.variants.len() == 1 => return Err(StopError::OneVariant { until: "decided" }),
-            Until::Groups if plan.variants.len() == 1 => return Err(StopError::OneVariant { until: "groups" }),
+            Until::Groups if plan.entries().len() == 1 => return Err(StopError::OneEntry),
             _ if plan.variants.len() > MAX_COMPARED => return Err(StopError::TooMany { count: plan.variants.len() }),
             Until::Decided => (usual, StoppingGoal::Decided { margin }),
             Until::Groups => (usual, StoppingGoal::Groups { margin }),
@@ -255,7 +259,7 @@ impl SequenceEstimate {
 pub struct Monitor {
     rule: StoppingRule,
     metric: Metric,
-    /// What is estimated, but for rules about the best.
+    /// The estimated means and differences; empty where the rule asks for the best.
     estimates: Vec<EstimateOf>,
     /// The variants of each entry, of which a rule about the best drops some.
     entries: Vec<Vec<usize>>,
@@ -322,7 +326,8 @@ impl Monitor {
     /// Compares all entries with the best one of those that play on, and drops those that are known to be worse. Of an entry
     /// its first variant stands for all.
     fn look_at_groups(&mut self, margin: f64) -> Vec<SequenceEstimate> {
-        let better = self.metric.about.better.expect("rules about the best have metrics with a better side");
+        // Anybody may write a plan with a metric that has no better side.
+        let better = self.metric.about.better.unwrap_or(Better::Higher);
         let values = self.values_of_entries(better);
         let firsts: Vec<usize> = self.entries.iter().map(|variants| variants[0]).collect();
         let active = firsts.iter().copied().filter(|&first| self.is_active[first]);

@@ -238,7 +238,7 @@ impl Batch {
         Ok(())
     }
 
-    /// Ends a whole batch after so many seeds of each variant, all of whose runs are in the journal: plan, journal and
+    /// Ends a whole batch after the given number of seeds of each variant, all of whose runs are in the journal: plan, journal and
     /// recordings become those of a batch of these runs. What a crash leaves of it, resuming completes.
     pub(crate) fn shorten(self, played: &[u64]) -> Result<Self, BatchError> {
         let plan = self.plan.shortened(played);

@@ -120,7 +120,7 @@ pub struct PlannedRun<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunPlace {
     pub variant: usize,
-    /// Which of the variant's seeds, from 0.
+    /// The index of the seed among those of the variant, from 0.
     pub seed: u64,
 }
 

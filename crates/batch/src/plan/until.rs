@@ -18,7 +18,7 @@ pub struct StoppingRule {
     #[serde(with = "seeds_text")]
     #[schemars(with = "String")]
     pub max_seeds: Seeds,
-    /// How many seeds each variant has played, in their order, where some stopped before others; else none.
+    /// The number of seeds that each variant has played, where some stopped before others; else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub played: Vec<u64>,
 }
@@ -83,7 +83,7 @@ pub enum StoppingGoal {
     Decided { margin: f64 },
     /// The difference of each pair, or the mean of each variant, to this much on each side.
     Within { half_width: f64 },
-    /// Which variants are as good as the best: others are dropped once they are known to be worse. Those that are left may
+    /// The variants that are as good as the best: others are dropped once they are known to be worse. Those that are left may
     /// differ by less than a margin above zero, which ends the batch too.
     Groups { margin: f64 },
 }

@@ -41,7 +41,7 @@ pub struct RankedRun {
     pub index: usize,
 }
 
-/// What runs of different entries are paired by.
+/// The seed and the stratum by which runs of different entries are paired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RunKey {
     pub seed: u64,
@@ -117,10 +117,12 @@ impl<'a> Entries<'a> {
     /// All entries have runs of the same seeds under the same conditions, or, if a rule stopped them, some of these.
     fn refuse_other_runs(&self) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
+        let longest = self.entries.iter().max_by_key(|entry| entry.runs.len()).unwrap_or(first);
+        let longest: BTreeSet<_> = longest.runs.iter().map(RankedRun::key).collect();
         for other in others {
             let [ours, theirs] = [first, other].map(|it| it.runs.iter().map(RankedRun::key).collect::<BTreeSet<_>>());
             let were_stopped = [first, other].iter().all(|entry| entry.settings.plan().until.is_some());
-            if ours == theirs || were_stopped && (ours.is_subset(&theirs) || theirs.is_subset(&ours)) {
+            if ours == theirs || were_stopped && ours.is_subset(&longest) && theirs.is_subset(&longest) {
                 continue;
             }
             let seeds = [first, other].map(|entry| seeds_text(entry.runs.iter().map(|run| run.seed)));

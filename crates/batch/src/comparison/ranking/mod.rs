@@ -148,11 +148,11 @@ pub struct RankedPair {
     pub contrast: Contrast,
     /// The p-value adjusted by Holm's method over all pairs, 1 if no run differs; `None` if a rule stopped the runs.
     pub p_adjusted: Option<f64>,
-    /// Whether there is evidence that the entries differ.
+    /// True if there is evidence that the entries differ.
     pub is_significant: bool,
 }
 
-/// How the number of an entry's runs was chosen.
+/// The way in which the number of an entry's runs was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SampleSize {
     Fixed,
@@ -173,7 +173,7 @@ impl SampleSize {
         }
     }
 
-    /// Returns the error of the interval of a pair of so many entries.
+    /// Returns the error of the interval of a pair among this number of entries.
     fn error(self, places: [usize; 2], entries: usize) -> f64 {
         let is_with_best = self == Self::ByElimination && places[0] == 0;
         StoppingRule::error_of_each(if is_with_best { entries - 1 } else { entries * (entries - 1) / 2 })
