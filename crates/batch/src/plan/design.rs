@@ -42,6 +42,10 @@ pub fn read_design(path: &Path) -> Result<Sweep, DesignError> {
         );
         return Err(DesignError::Line { line: 1, problem });
     }
+    if names.len() == 1 && names[0].contains([';', '\t']) {
+        let problem = "the columns are divided by semicolons or tabs; expected commas".to_owned();
+        return Err(DesignError::Line { line: 1, problem });
+    }
     let mut columns: Vec<_> = names.iter().map(|name| (name.to_owned(), Vec::new())).collect();
     for row in reader.records() {
         let row = row.map_err(damaged)?;
@@ -100,6 +104,7 @@ mod tests {
             ("", "there are no rows"),
             ("a,b\n", "there are no rows"),
             (",a\n0,1\n", "line 1: column 1 has no name"),
+            ("a;b\n0;1\n", "line 1: the columns are divided by semicolons"),
             ("a,b\n1,2\n3\n", "line 3: expected 2 values between commas, one for each key, and found 1"),
             ("a,b\n1,\n", "line 2: there is no value of `b`"),
         ];
