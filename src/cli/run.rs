@@ -229,15 +229,16 @@ impl From<&RunReport> for Document {
             [Failures::of_queries(&record).of_planner(&label.planner), Failures::of_asks(&record).of_policies()];
         let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
         let notes = notes.chain(failures.into_iter().flatten()).chain(record.queries().sentences(&label.planner));
-        Self::new(format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed)).with([
-            states(outcome).into(),
-            Block::List(
-                [fires(outcome)].into_iter().chain(ground(outcome)).chain([verdict(result)]).chain(notes).collect(),
-            ),
-            agents(outcome).into(),
-            cpu_times(result).into(),
-            Block::Text(cpu_per_plan(result)),
-        ])
+        let sentences = fires(outcome).into_iter().chain(ground(outcome)).chain(verdict(result)).chain(notes).collect();
+        let heading = format!("{}, seed {}: ended after {ended_s} s", label.scenario, label.seed);
+        // What a run without bushes, or without agents, has none of is left out: a fire on the ground is told in hectares.
+        let (has_bushes, has_agents) = (outcome.obstacles > 0, !outcome.agents.is_empty());
+        Self::new(heading)
+            .with(has_bushes.then(|| states(outcome)))
+            .with([Block::List(sentences)])
+            .with(has_agents.then(|| agents(outcome)))
+            .with([cpu_times(result)])
+            .with(has_agents.then(|| Block::Text(cpu_per_plan(result))))
     }
 }
 
@@ -255,17 +256,21 @@ fn state_row(state: &str, count: u32, ratio: f64) -> Vec<String> {
     vec![state.to_owned(), count.to_string(), rounded(ratio, 3)]
 }
 
-fn fires(outcome: &Outcome) -> String {
+/// Tells of the fires of bushes, where there are bushes.
+fn fires(outcome: &Outcome) -> Option<String> {
+    if outcome.obstacles == 0 {
+        return None;
+    }
     let Outcome { lit_by_wumpus, caught_by_spread, lit_by_schedule, peak_burning, .. } = outcome;
     let schedule = if *lit_by_schedule > 0 { format!(", {lit_by_schedule} by schedule") } else { String::new() };
     let first = outcome.first_fire_s.map(|first_s| format!(", the first at {} s", rounded(first_s, 1)));
     let response = outcome.mean_response_s.map(|mean_s| format!("; put out after {} s on average", rounded(mean_s, 1)));
-    format!(
+    Some(format!(
         "Fires: {lit_by_wumpus} lit by the Wumpus, {caught_by_spread} caught by spread{schedule}; at most \
          {peak_burning} at once{}{}.",
         first.unwrap_or_default(),
         response.unwrap_or_default()
-    )
+    ))
 }
 
 /// Tells of the ground, where there is some that burns.
@@ -277,27 +282,34 @@ fn ground(outcome: &Outcome) -> Option<String> {
         let lost_m = rounded(line.lost_m, 0);
         format!(" Line: {built_m} m built, {lost_m} m of it lost.")
     });
+    let area = if outcome.obstacles > 0 { ", with bushes" } else { "," };
     let edge = reached_edge_s.map(|edge_s| format!("; at the edge of the field after {} s", rounded(edge_s, 1)));
     Some(format!(
-        "Ground: {burned} of {cells} cells caught fire, with bushes {} ha; {extinguished} put out{embers}{}.{}",
+        "Ground: {burned} of {cells} cells caught fire{area} {} ha; {extinguished} put out{embers}{}.{}",
         rounded(burned_ha, 2),
         edge.unwrap_or_default(),
         built.unwrap_or_default()
     ))
 }
 
-fn verdict(result: &RunResult) -> String {
+/// Tells who won, where anybody can have points.
+fn verdict(result: &RunResult) -> Option<String> {
     let outcome = &result.outcome;
+    if outcome.obstacles == 0 {
+        return None;
+    }
     let wumpus = outcome.wumpus_score;
     let truck = outcome.truck_score;
-    if result.trucks().next().is_none() || result.wumpuses().next().is_none() {
-        return format!("No contest: one side has no agents. Points: Wumpus {wumpus}, Unimog {truck}.");
-    }
-    match outcome.winner() {
-        Winner::Wumpus => format!("The Wumpus wins, {wumpus} points to {truck}."),
-        Winner::Unimog => format!("The Unimog wins, {truck} points to {wumpus}."),
-        Winner::Tie => format!("A tie, {truck} points each."),
-    }
+    let has_trucks = result.trucks().next().is_some();
+    let has_wumpuses = result.wumpuses().next().is_some();
+    Some(match (has_wumpuses, has_trucks, outcome.winner()) {
+        (false, false, _) => "No contest: nobody takes part.".to_owned(),
+        (false, true, _) => format!("No contest: no Wumpus takes part. Points: Unimog {truck}."),
+        (true, false, _) => format!("No contest: no truck takes part. Points: Wumpus {wumpus}."),
+        (true, true, Winner::Wumpus) => format!("The Wumpus wins, {wumpus} points to {truck}."),
+        (true, true, Winner::Unimog) => format!("The Unimog wins, {truck} points to {wumpus}."),
+        (true, true, Winner::Tie) => format!("A tie, {truck} points each."),
+    })
 }
 
 fn agents(outcome: &Outcome) -> Table {
@@ -330,6 +342,10 @@ const OPTIONAL: [&str; 4] = ["custom planner: start", "custom planner: queries",
 /// The phases that no planner has but those with roadmaps.
 const ROADMAP: [&str; 3] = ["PRM sampling", "PRM map generation", "roadmap search"];
 
+/// The other phases that no run has without trucks, or without Wumpuses.
+const OF_TRUCKS: [&str; 2] = ["local search", "reachability"];
+const OF_WUMPUSES: &str = "Wumpus search";
+
 fn cpu_times(result: &RunResult) -> Table {
     let cpu = &result.cpu;
     let parts = [
@@ -338,19 +354,25 @@ fn cpu_times(result: &RunResult) -> Table {
         (ROADMAP[0], cpu.sampling_s),
         (ROADMAP[1], cpu.map_generation_s),
         (ROADMAP[2], cpu.roadmap_search_s),
-        ("local search", cpu.local_search_s),
-        ("reachability", cpu.reachability_s),
+        (OF_TRUCKS[0], cpu.local_search_s),
+        (OF_TRUCKS[1], cpu.reachability_s),
         (OPTIONAL[0], cpu.custom_start_s),
         (OPTIONAL[1], cpu.custom_queries_s),
         (OPTIONAL[2], cpu.dispatch_s),
-        ("Wumpus search", cpu.wumpus_s),
+        (OF_WUMPUSES, cpu.wumpus_s),
         (OPTIONAL[3], cpu.policy_s),
         ("everything else", cpu.rest_s()),
         ("whole run", cpu.run_s),
     ];
-    let shown = parts.into_iter().filter(|&(phase, seconds)| {
-        seconds > 0.0 || !(OPTIONAL.contains(&phase) || ROADMAP.contains(&phase) && cpu.has_custom_planner())
-    });
+    let has_trucks = result.trucks().next().is_some();
+    let has_wumpuses = result.wumpuses().next().is_some();
+    let belongs = |phase: &str| {
+        !(OPTIONAL.contains(&phase)
+            || ROADMAP.contains(&phase) && (cpu.has_custom_planner() || !has_trucks)
+            || OF_TRUCKS.contains(&phase) && !has_trucks
+            || phase == OF_WUMPUSES && !has_wumpuses)
+    };
+    let shown = parts.into_iter().filter(|&(phase, seconds)| seconds > 0.0 || belongs(phase));
     let rows = shown.map(|(phase, seconds)| {
         let share = if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
         vec![phase.to_owned(), rounded(seconds * 1e3, 3), share]

@@ -230,6 +230,15 @@ fn agents_of_one_side_play_no_contest() {
 }
 
 #[test]
+fn a_fire_on_the_ground_is_told_without_bushes_and_points() {
+    let answer = Story::begin().tell(&["run", "line", "--set", "duration_s=60"]).expect_code(0);
+    assert!(answer.stdout.contains("Ground: "), "{}", answer.stdout);
+    for word in ["Obstacles", "contest", "Wumpus", "Agent", "search"] {
+        assert!(!answer.stdout.contains(word), "{word}: {}", answer.stdout);
+    }
+}
+
+#[test]
 fn every_built_in_scenario_runs() {
     run_presets(|name| !LARGE.contains(&name));
 }

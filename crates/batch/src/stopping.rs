@@ -208,8 +208,7 @@ impl Look {
                 if estimate.seeds < self.seeds { format!(", after {} seeds", estimate.seeds) } else { String::new() };
             format!("{metric}, {what}: {}{after}", estimate.amount())
         });
-        let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables are for a number \
-                    that was fixed before.";
+        let note = "These intervals hold at every number of seeds, 95 % for all together; those of tables, too, each by itself.";
         let open = self.estimates.iter().filter(|estimate| !estimate.is_settled).count();
         let unsettled = (open > 0).then(|| format!("Not known after all seeds: {open} of {}.", self.estimates.len()));
         let best = self.best(plan).map(|best| {

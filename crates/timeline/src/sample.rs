@@ -255,6 +255,15 @@ pub fn on_ground() -> Timeline {
     Timeline { setting, events, ground }
 }
 
+/// The same ground without bushes and with other agents, who do nothing.
+pub fn ground_alone(agents: &[AgentId]) -> Timeline {
+    let Timeline { setting, ground, .. } = on_ground();
+    let mut alone = small_setting(agents);
+    alone.spread = setting.spread;
+    alone.bushes.clear();
+    Timeline { setting: alone, events: Vec::new(), ground }
+}
+
 /// The same contest as [`random`], with ground that catches fire here and there, goes out and burns again, and of which
 /// some cannot be reached.
 pub fn random_on_ground(seed: u64, duration: SimTime) -> Timeline {

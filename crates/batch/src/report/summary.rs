@@ -9,7 +9,7 @@ use crate::report::notes::notes;
 use crate::report::profile::Profile;
 use crate::report::tables::Tables;
 use crate::report::tally::Tally;
-use crate::stats::{Interval, Series};
+use crate::stats::{Interval, Series, Validity};
 use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Document, Table};
@@ -32,6 +32,7 @@ pub struct VariantReport {
     pub first_done: Option<u64>,
     /// A series for each of the columns of runs; of those without numbers it is empty.
     columns: Vec<Series>,
+    validity: Validity,
     profile: Profile,
     /// The folders and hashes of custom planners, by name.
     files: BTreeMap<String, (PathBuf, BTreeMap<String, String>)>,
@@ -78,14 +79,14 @@ const FLEET_MEANS: [MeanRow; 9] = [
 
 impl VariantReport {
     /// Creates the report of a variant without runs.
-    pub fn new(title: String, scenario: &Scenario) -> Self {
+    pub fn new(title: String, scenario: &Scenario, validity: Validity) -> Self {
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
         let deadline_s = (scenario.wumpus.is_empty() && !scenario.unimog.is_empty()).then_some(scenario.duration_s);
         let tally = Tally { deadline_s, ..Tally::new(scenario.unimog.len(), scenario.wumpus.len()) };
         let custom = scenario.planner.iter().filter(|(_, table)| table.is_external());
         let files =
             custom.map(|(name, table)| (name.to_string(), (table.works_in.clone(), table.sha256.clone()))).collect();
-        Self { title, tally, columns, files, ..Self::default() }
+        Self { title, tally, columns, files, validity, tables: Tables::new(validity), ..Self::default() }
     }
 
     /// Creates a report in which all finished runs have the same numbers in some columns, by their places.
@@ -115,7 +116,7 @@ impl VariantReport {
     pub fn interval(&self, place: usize) -> Option<Interval> {
         let (min, max) = RUN_COLUMNS[place].range();
         let bushes = self.column(OBSTACLES).largest().filter(|_| STATES.contains(&place));
-        self.column(place).mean_interval_within((min, bushes.unwrap_or(max)))
+        self.column(place).mean_interval_for(self.validity, (min, bushes.unwrap_or(max)))
     }
 
     /// Adds what a run's row in a table lacks: notes on its agents, and the CPU time per fact.

@@ -4,7 +4,7 @@
 //! confidence interval, within the range of the quantity. Single runs have rows where there are few of them; the
 //! statistics are of all runs that are done.
 
-use crate::stats::{Interval, Series};
+use crate::stats::{Interval, Series, Validity};
 use crate::table::{RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Table};
@@ -100,6 +100,10 @@ const LEGEND: [&str; 3] = [
     "Intervals are Student's t on a log scale, for shares on a logit scale; none where most numbers are 0.",
 ];
 
+/// The last line of the legend of a batch that a rule stopped.
+const ANY_TIME_LEGEND: &str = "Intervals are those of a confidence sequence, which hold at every number of runs, on a log scale, for shares on \
+                               a logit scale; none where most numbers are 0.";
+
 /// Columns that are there only where trucks have planners that are not built in.
 const CUSTOM: [&str; 2] = ["Custom\nstart", "Custom\nqueries"];
 
@@ -116,11 +120,15 @@ pub struct Tables([RunTable; 2]);
 
 impl Default for Tables {
     fn default() -> Self {
-        Self([RunTable::new(&OBSTACLE_STATES), RunTable::new(&CPU_TIMES)])
+        Self::new(Validity::AtFixedSize)
     }
 }
 
 impl Tables {
+    pub fn new(validity: Validity) -> Self {
+        Self([&OBSTACLE_STATES, &CPU_TIMES].map(|layout| RunTable::new(layout, validity)))
+    }
+
     pub fn add(&mut self, run: &RunRecord) {
         self.0.iter_mut().for_each(|table| table.add(run));
     }
@@ -149,11 +157,14 @@ impl Tables {
             true => Block::Table(table.fitted()),
             false => Block::Table(RunTable { shown: Vec::new(), ..table.clone() }.fitted()),
         });
-        let legend = match (self.0[1].has_any(&CUSTOM), self.0[1].has_any(&ROADMAP)) {
+        let mut legend = match (self.0[1].has_any(&CUSTOM), self.0[1].has_any(&ROADMAP)) {
             (false, _) => LEGEND.to_vec(),
             (true, true) => [CUSTOM_LEGEND].into_iter().chain(LEGEND).collect(),
             (true, false) => vec![CUSTOM_LEGEND, CUSTOM_TOTAL, LEGEND[2]],
         };
+        if self.0[0].validity == Validity::AtAnyTime {
+            *legend.last_mut().expect("the last line is there always") = ANY_TIME_LEGEND;
+        }
         let legend = note.into_iter().chain(legend.into_iter().map(str::to_owned)).collect();
         vec![states, times, Block::List(legend)]
     }
@@ -167,11 +178,12 @@ struct RunTable {
     shown: Vec<(u64, Option<Vec<f64>>)>,
     series: Vec<Series>,
     runs: u64,
+    validity: Validity,
 }
 
 impl RunTable {
-    fn new(layout: &'static TableLayout) -> Self {
-        Self { layout, shown: Vec::new(), series: vec![Series::default(); layout.quantities.len()], runs: 0 }
+    fn new(layout: &'static TableLayout, validity: Validity) -> Self {
+        Self { layout, shown: Vec::new(), series: vec![Series::default(); layout.quantities.len()], runs: 0, validity }
     }
 
     fn add(&mut self, run: &RunRecord) {
@@ -246,7 +258,7 @@ impl RunTable {
 
     fn interval(&self, column: usize) -> Option<Interval> {
         let max = self.layout.quantities[column].max.or_else(|| self.series[0].largest())?;
-        self.series[column].mean_interval_within((0.0, max))
+        self.series[column].mean_interval_for(self.validity, (0.0, max))
     }
 
     fn row(

@@ -7,7 +7,7 @@
 //! | of | value | interval | test |
 //! |---|---|---|---|
 //! | a mean, or a mean of paired differences | [`estimate_mean`] | studentised bootstrap, or Student's t | that it is zero |
-//! | a mean in constant memory | [`Series`] | Student's t, for quantities with a range on the log or logit scale | - |
+//! | a mean in constant memory | [`Series`] | Student's t, for quantities with a range on the log or logit scale; valid at any time by [`sequence_interval`] | - |
 //! | a difference of two means of unpaired numbers | [`welch_interval`] | Welch's t | - |
 //! | a quantile | [`quantile`] | [`quantile_interval`], by order statistics | - |
 //! | a rate | `hits / trials` | [`wilson_interval`] | - |
@@ -54,6 +54,16 @@ pub use survival::{Lifetime, SurvivalCurve, SurvivalStep};
 
 /// The confidence of every interval.
 pub const CONFIDENCE: f64 = 0.95;
+
+/// The numbers of observations for which an interval holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Validity {
+    /// One that was fixed before.
+    #[default]
+    AtFixedSize,
+    /// All of them together, so that a rule may stop when enough is known.
+    AtAnyTime,
+}
 
 /// A 95 % confidence interval, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq)]

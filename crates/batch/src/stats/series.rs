@@ -3,8 +3,9 @@
 //! The interval of the mean is Student's, with n - 1 degrees of freedom (Student, "The probable error of a mean",
 //! Biometrika 6, 1908), on the scale of the numbers or on one that keeps the interval in the range of a quantity.
 
-use crate::stats::Interval;
 use crate::stats::distributions::t_reach;
+use crate::stats::sequence::sequence_interval;
+use crate::stats::{CONFIDENCE, Interval, Validity};
 use wildfire_base::geometry::ops;
 
 /// The range of a difference.
@@ -96,8 +97,16 @@ impl Series {
     /// with the standard error by the delta method (Oehlert, "A note on the delta method", The American Statistician 46,
     /// 1992). The upper end for two numbers without a finite `max` is that of Student's plain interval: on the log scale
     /// it can be 300,000 times the mean. Without a finite `min` the whole interval is the plain one.
-    pub fn mean_interval_within(&self, (min, max): (f64, f64)) -> Option<Interval> {
-        let plain = self.mean_interval().filter(|plain| plain.low < plain.high)?;
+    pub fn mean_interval_within(&self, range: (f64, f64)) -> Option<Interval> {
+        self.mean_interval_for(Validity::AtFixedSize, range)
+    }
+
+    /// Returns [`Self::mean_interval_within`], or an interval made in the same way from that of a confidence sequence.
+    pub fn mean_interval_for(&self, validity: Validity, (min, max): (f64, f64)) -> Option<Interval> {
+        let plain = match validity {
+            Validity::AtFixedSize => self.mean_interval().filter(|plain| plain.low < plain.high)?,
+            Validity::AtAnyTime => sequence_interval(self, 1.0 - CONFIDENCE)?,
+        };
         let reach = plain.high - self.mean;
         let below = self.mean - min;
         let above = max - self.mean;
@@ -146,7 +155,7 @@ fn squared_error(series: &Series) -> Option<(f64, f64)> {
 
 #[cfg(test)]
 mod tests {
-    use rand::Rng;
+    use rand::{Rng, RngExt};
 
     use super::*;
     use crate::stats::test_support::assert_interval;
@@ -242,6 +251,21 @@ mod tests {
         let within = covered(|it| it.mean_interval_within((0.0, f64::INFINITY)));
         let plain = covered(Series::mean_interval);
         assert!((905..=960).contains(&within) && within > plain + 20, "{within} and {plain} of 1000");
+    }
+
+    #[test]
+    fn intervals_that_are_valid_at_any_time_are_wider_and_keep_the_range() {
+        let mut random = rng::stream(5, "stats/any time");
+        for range in [UNBOUNDED, (0.0, f64::INFINITY), (0.0, 1.0)] {
+            let values: Vec<f64> = (0..30).map(|_| random.random_range(0.0..1.0)).collect();
+            let series = Series::from_values(&values);
+            let at = |validity| series.mean_interval_for(validity, range).expect("thirty numbers");
+            let (fixed, any_time) = (at(Validity::AtFixedSize), at(Validity::AtAnyTime));
+            assert!(any_time.low < fixed.low && fixed.high < any_time.high, "{fixed:?} {any_time:?}");
+            assert!(range.0 <= any_time.low && any_time.high <= range.1, "{any_time:?}");
+        }
+        let mean = Series::from_values(&[1.0, 2.0, 4.0]);
+        assert_eq!(mean.mean_interval_for(Validity::AtAnyTime, UNBOUNDED), sequence_interval(&mean, 1.0 - CONFIDENCE));
     }
 
     #[test]

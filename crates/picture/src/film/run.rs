@@ -110,6 +110,19 @@ impl RunView {
         self.timeline().setting.agents.len() > MAX_ONE_BY_ONE
     }
 
+    /// Returns whether ground burns and no arsonist lights bushes: such a run is told in hectares.
+    pub fn is_of_ground(&self) -> bool {
+        let setting = &self.timeline().setting;
+        let has_arsonist = setting.agents.iter().any(|agent| agent.id.role.lights());
+        self.index.ground().is_some() && (setting.bushes.is_empty() || !has_arsonist)
+    }
+
+    /// Returns the area of so many cells of its ground, in hectares.
+    pub fn hectares(&self, cells: u32) -> f64 {
+        let cell_m = self.timeline().setting.frame.cell_m;
+        f64::from(cells) * cell_m * cell_m / 1e4
+    }
+
     pub fn end_time(&self) -> SimTime {
         self.index.end_time()
     }

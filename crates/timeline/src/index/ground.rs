@@ -5,6 +5,9 @@
 //! out follows from when it caught fire (see [`FlamingTimes`](crate::FlamingTimes)), when it dries from the fact
 //! that wetted it; so neither is a fact.
 
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
 use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -78,6 +81,19 @@ pub struct GroundIndex {
     relit: Vec<SimTime>,
     burned_out: Vec<SimTime>,
     extinguished: Vec<SimTime>,
+    /// Counted when it is first asked for: batches never ask.
+    front: OnceLock<Vec<FrontLength>>,
+}
+
+/// From a cell to those that it shares a side with: columns and rows.
+const SIDES: [[i32; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
+
+/// The front after a cell caught fire for the first time.
+#[derive(Clone, Copy, Debug)]
+struct FrontLength {
+    from: SimTime,
+    /// Sides of cells between ground that has burned or burns and other ground.
+    sides: u32,
 }
 
 impl GroundIndex {
@@ -154,6 +170,7 @@ impl GroundIndex {
             wettings,
             line_cells,
             line,
+            front: OnceLock::new(),
         })
     }
 
@@ -213,6 +230,35 @@ impl GroundIndex {
             burned_out,
             extinguished: extinguished.saturating_sub(relit),
         }
+    }
+
+    /// Returns the length of the edge of what has burned and burns, in metres, that of islands and of the field's edge included. A
+    /// straight front across square cells is a staircase, 4 / pi times as long on average over its directions.
+    pub fn perimeter_m_at(&self, time: SimTime) -> f64 {
+        let front = self.front.get_or_init(|| self.measure_front());
+        let so_far = front.partition_point(|length| length.from <= time);
+        let sides = front[..so_far].last().map_or(0, |length| length.sides);
+        0.25 * PI * self.frame.cell_m * f64::from(sides)
+    }
+
+    fn measure_front(&self) -> Vec<FrontLength> {
+        let starts = self.first.windows(2).enumerate().filter(|(_, cell)| cell[0] < cell[1]);
+        let mut starts: Vec<(SimTime, usize)> =
+            starts.map(|(index, cell)| (self.burnings[cell[0] as usize].ignited, index)).collect();
+        starts.sort_unstable();
+        let mut has_burned = vec![false; self.frame.cell_count()];
+        let mut sides = 0;
+        let mut front = Vec::with_capacity(starts.len());
+        for (from, index) in starts {
+            let cell = self.frame.cell(index);
+            let beside = SIDES.iter().filter_map(|&[cols, rows]| self.frame.offset(cell, cols, rows));
+            let shared = beside.filter(|&other| has_burned[self.frame.index(other)]).count() as u32;
+            // A new cell brings four sides; each that it shares is no front any more, for both cells.
+            sides = sides + 4 - 2 * shared;
+            has_burned[index] = true;
+            front.push(FrontLength { from, sides });
+        }
+        front
     }
 
     /// Goes through all times at which the number of burning cells changes, with the number from then on.
@@ -377,6 +423,13 @@ mod tests {
                     counts.extinguished += u32::from(state == Some(BushState::Extinguished));
                 }
                 assert_eq!(ground.counts_at(time), counts, "at {time}");
+                let states = by_scanning(&timeline, time);
+                let has_burned = |cell: Cell| !matches!(states[frame.index(cell)], None | Some(BushState::Intact));
+                let burned = (0..states.len()).map(|index| frame.cell(index)).filter(|&cell| has_burned(cell));
+                let is_front = |cell, [cols, rows]: [i32; 2]| !frame.offset(cell, cols, rows).is_some_and(has_burned);
+                let sides: usize =
+                    burned.map(|cell| SIDES.into_iter().filter(|&side| is_front(cell, side)).count()).sum();
+                assert_eq!(ground.perimeter_m_at(time), 0.25 * PI * frame.cell_m * sides as f64, "at {time}");
             }
         }
     }

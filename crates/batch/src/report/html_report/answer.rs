@@ -65,7 +65,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     }
     let shares = values.numbers(&SAVED);
     let bushes = values.numbers(&BUSHES);
-    let Some(share) = mean_of(&shares, SAVED.range()) else {
+    let Some(share) = mean_of(&shares, SAVED.range(), values.validity) else {
         let Some(area) = values.mean(&BURNED_AREA) else { return format!("{who}: {ending}") };
         let decimals = decimals(&area, 1.0);
         let interval = interval_text(&area, 1.0, decimals);
@@ -79,8 +79,8 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
         .filter(|number| number.is_finite())
         .collect();
     let max = bushes.iter().copied().fold(0.0, f64::max);
-    let Some(saved) = mean_of(&saved, (0.0, max)) else { return format!("{who}: {ending}") };
-    let all = mean_of(&bushes, (0.0, f64::INFINITY)).map_or(0.0, |mean| mean.value);
+    let Some(saved) = mean_of(&saved, (0.0, max), values.validity) else { return format!("{who}: {ending}") };
+    let all = mean_of(&bushes, (0.0, f64::INFINITY), values.validity).map_or(0.0, |mean| mean.value);
     let all = if all == max { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
     let decimals = decimals(&saved, 1.0);
     let mut percent = format!("{} %", rounded(100.0 * share.value, 0));

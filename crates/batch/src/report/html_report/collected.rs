@@ -6,7 +6,7 @@ use super::quantities::SelectedQuantities;
 use crate::comparison::Metric;
 use crate::plan::BatchPlan;
 use crate::report::summary::{BatchReport, VariantReport};
-use crate::stats::Series;
+use crate::stats::{Series, Validity};
 use crate::table::{FinishedError, FinishedRows, RunRecord, run_column};
 use wildfire_picture::charts::Estimate;
 
@@ -31,7 +31,11 @@ pub struct Collected {
 
 /// The numbers of a variant's runs, by quantity: one per seed, in order, NaN where the run has none.
 #[derive(Debug, Default)]
-pub struct Values(BTreeMap<&'static str, Vec<f64>>);
+pub struct Values {
+    by_quantity: BTreeMap<&'static str, Vec<f64>>,
+    /// Of the intervals of means.
+    pub validity: Validity,
+}
 
 /// A listed run, with the reason.
 #[derive(Debug)]
@@ -52,8 +56,8 @@ impl Collected {
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
         for (index, variant) in plan.variants.iter().enumerate() {
-            let mut report = VariantReport::new(plan.title(variant), &variant.scenario);
-            let mut values = Values::default();
+            let mut report = VariantReport::new(plan.title(variant), &variant.scenario, plan.validity());
+            let mut values = Values { validity: plan.validity(), ..Values::default() };
             for _ in 0..plan.seeds_of(index) {
                 number += 1;
                 let run = plan.run(number);
@@ -86,13 +90,13 @@ impl Values {
     fn add(&mut self, row: &RunRecord, kept: &[&'static Metric]) {
         for &quantity in kept {
             let number = quantity.shown_number(row).filter(|_| row.is_done());
-            self.0.entry(quantity.about.name).or_default().push(number.unwrap_or(f64::NAN));
+            self.by_quantity.entry(quantity.about.name).or_default().push(number.unwrap_or(f64::NAN));
         }
     }
 
     /// Returns a number for each seed; NaN where the run has none.
     pub fn of_seeds(&self, quantity: &Metric) -> &[f64] {
-        self.0.get(quantity.about.name).map_or(&[], Vec::as_slice)
+        self.by_quantity.get(quantity.about.name).map_or(&[], Vec::as_slice)
     }
 
     /// Returns the numbers of the runs that have one, in their order.
@@ -108,15 +112,15 @@ impl Values {
 
     /// Returns the mean with its interval; `None` without values.
     pub fn mean(&self, quantity: &Metric) -> Option<Estimate> {
-        mean_of(&self.numbers(quantity), quantity.range())
+        mean_of(&self.numbers(quantity), quantity.range(), self.validity)
     }
 }
 
 /// Returns the mean of numbers in a range with its interval, which stays within the range; `None` without numbers.
-pub fn mean_of(numbers: &[f64], range: (f64, f64)) -> Option<Estimate> {
+pub fn mean_of(numbers: &[f64], range: (f64, f64), validity: Validity) -> Option<Estimate> {
     let series = Series::from_values(numbers);
     let value = series.mean().filter(|mean| mean.is_finite())?;
-    let interval = series.mean_interval_within(range).map(|interval| (interval.low, interval.high));
+    let interval = series.mean_interval_for(validity, range).map(|interval| (interval.low, interval.high));
     // Of numbers as large as 1e200 the spread is beyond all numbers.
     let interval = interval.filter(|(low, high)| low.is_finite() && high.is_finite());
     Some(Estimate { value, interval })

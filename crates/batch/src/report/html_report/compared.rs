@@ -250,7 +250,7 @@ fn mean_by_seed(quantity: &'static Metric, group: &VariantGroup, variants: &[Val
     let means = (0..members.first()?.len())
         .map(|seed| members.iter().map(|of_seeds| of_seeds[seed]).sum::<f64>() / members.len() as f64)
         .filter(|number| !number.is_nan());
-    mean_of(&means.collect::<Vec<_>>(), quantity.range())
+    mean_of(&means.collect::<Vec<_>>(), quantity.range(), variants[group.variants[0]].validity)
 }
 
 impl Other {

@@ -24,6 +24,7 @@ mod wind;
 pub use bushes::draw_sign;
 pub use clusters::draw_glow;
 pub use highlights::pick;
+pub use wind::compass_word;
 
 use agents::draw_agents;
 use bushes::{MIN_SPRITE, Stamps, draw_bushes};

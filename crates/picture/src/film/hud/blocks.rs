@@ -2,15 +2,15 @@
 
 use crate::Rgb;
 use crate::colours::{FAINT_INK, UNIMOG, WUMPUS};
-use crate::film::hud::formatting::{format_clock, format_cpu, format_percent};
+use crate::film::hud::formatting::{format_clock, format_cpu, format_hectares, format_length, format_percent};
 use crate::film::hud::legend::{agents_of, legend_block, run_sentence, wrapped_lines};
 use crate::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::film::hud::pen::TextFace;
 use crate::film::hud::stories::{agent_blocks, story_block};
 use crate::film::hud::{HudView, formatting};
-use crate::film::{Layer, ViewOptions};
+use crate::film::{Layer, RunView, ViewOptions};
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{BushCounts, GroundCounts, Role};
+use wildfire_timeline::{Activity, AgentState, BushCounts, CrewRules, GroundCounts, GroundIndex, Role};
 
 /// All blocks in the order in which they are shown.
 pub fn panel_blocks(view: &HudView) -> Vec<PanelBlock> {
@@ -84,6 +84,9 @@ const STATE_NAME: f32 = 2.3;
 const COUNT: f32 = 6.0;
 
 pub fn counts_block(view: &HudView) -> PanelBlock {
+    if view.is_of_ground() {
+        return PanelBlock::new(1, ground_fire_lines(view));
+    }
     let counts = BushStateKind::ALL.map(|kind| {
         let mut marks = vec![
             LineMark::Sign(kind),
@@ -101,6 +104,55 @@ pub fn counts_block(view: &HudView) -> PanelBlock {
     PanelBlock::new(1, names.into_iter().chain(counts).chain(ground_lines(view)).collect())
 }
 
+/// A fire on the ground: what burns, and who works against it.
+fn ground_fire_lines(view: &HudView) -> Vec<PanelLine> {
+    let line = |name: &str, tell: &dyn Fn(usize, &RunView, &GroundIndex) -> String| {
+        let texts = view.runs.iter().enumerate().map(|(index, run)| {
+            let ground = run.index().ground().expect("all runs have ground");
+            tell(index, run, ground)
+        });
+        PanelLine::new(
+            [LineMark::left(name, TextFace::PLAIN)].into_iter().chain(values(texts, TextFace::STRONG)).collect(),
+        )
+    };
+    let mut lines: Vec<PanelLine> =
+        view.is_comparison().then(|| heading(view, LineMark::left("fire", TextFace::faint()))).into_iter().collect();
+    lines.push(line("on fire", &|_, run, ground| format_hectares(run.hectares(ground.counts_at(view.time).burning))));
+    lines.push(line("burned", &|_, run, ground| {
+        let counts = ground.counts_at(view.time);
+        format_hectares(run.hectares(counts.cells - counts.intact()))
+    }));
+    lines.push(line("perimeter", &|_, _, ground| format_length(ground.perimeter_m_at(view.time))));
+    if view.states.iter().any(|state| !state.agents.is_empty()) {
+        lines.push(line("trucks at work", &|index, _, _| {
+            let agents = &view.states[index].agents;
+            let rests = |agent: &&AgentState| matches!(agent.activity, Activity::Standing | Activity::Waiting);
+            format!("{} of {}", agents.len() - agents.iter().filter(rests).count(), agents.len())
+        }));
+    }
+    if view.runs.iter().any(|run| !crews_of(run).is_empty()) {
+        lines.push(line("crews at work", &|_, run, _| {
+            let set_out = crews_of(run).iter().filter(|crew| crew.at_ns <= view.time.as_nanos()).count();
+            format!("{set_out} of {}", crews_of(run).len())
+        }));
+    }
+    if view.counts.iter().any(|counts| counts.bushes() > 0) {
+        lines.push(line("bushes burned", &|index, _, _| {
+            let counts = &view.counts[index];
+            format!(
+                "{} of {}",
+                counts.count(BushStateKind::Burning) + counts.count(BushStateKind::BurnedOut),
+                counts.bushes()
+            )
+        }));
+    }
+    lines
+}
+
+fn crews_of(run: &RunView) -> &[CrewRules] {
+    run.timeline().setting.line.as_ref().map_or(&[], |line| &line.crews)
+}
+
 /// How much ground burns and has burned, in hectares, where some can.
 fn ground_lines(view: &HudView) -> Vec<PanelLine> {
     if !view.has_ground() {
@@ -108,9 +160,8 @@ fn ground_lines(view: &HudView) -> Vec<PanelLine> {
     }
     let hectares = |cells: fn(&GroundCounts) -> u32| {
         view.runs.iter().map(move |run| {
-            let Some(ground) = run.index().ground() else { return "-".to_owned() };
-            let cell_m = run.timeline().setting.frame.cell_m;
-            format!("{:.2}", f64::from(cells(&ground.counts_at(view.time))) * cell_m * cell_m / 1e4)
+            let ground = run.index().ground();
+            ground.map_or("-".to_owned(), |ground| format!("{:.2}", run.hectares(cells(&ground.counts_at(view.time)))))
         })
     };
     let line = |name: &str, texts: Vec<String>| {
@@ -132,8 +183,13 @@ fn count_and_share(counts: &BushCounts, kind: BushStateKind) -> [LineMark; 2] {
     ]
 }
 
-/// Points of the sides that a run has, and who leads where both are there; `None` without agents and CPU times.
+/// Points of the sides that a run has, and who leads or won where both are there; `None` without agents and CPU times. A fire
+/// on the ground has no points.
 pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
+    if view.is_of_ground() {
+        return cpu_line(view).map(|line| PanelBlock::new(2, vec![line]));
+    }
+    let is_over = view.time >= view.end;
     let settings = || view.runs.iter().map(|run| &run.timeline().setting);
     let scores: Vec<[f64; 2]> = settings()
         .zip(&view.counts)
@@ -150,10 +206,10 @@ pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
     let is_contest = lines.len() == 2;
     if let (&[score], true) = (scores.as_slice(), is_contest) {
         lines.push(PanelLine { height: 1.2, marks: vec![LineMark::Bar(shares(score))] });
-        lines.push(PanelLine::new(vec![LineMark::left(lead_text(score), TextFace::PLAIN)]));
+        lines.push(PanelLine::new(vec![LineMark::left(lead_text(score, is_over), TextFace::PLAIN)]));
     } else if view.is_comparison() && !lines.is_empty() {
         lines.insert(0, heading(view, LineMark::left("points", TextFace::faint())));
-        let mut marks = vec![LineMark::left("leads", TextFace::faint())];
+        let mut marks = vec![LineMark::left(if is_over { "won" } else { "leads" }, TextFace::faint())];
         marks.extend(values(scores.iter().map(|&score| leader(score).unwrap_or("-").to_owned()), TextFace::PLAIN));
         lines.extend(is_contest.then(|| PanelLine::new(marks)));
     }
@@ -176,9 +232,10 @@ fn leader([wumpus, unimog]: [f64; 2]) -> Option<&'static str> {
     if wumpus > unimog { Some("Wumpus") } else { (unimog > wumpus).then_some("Unimog") }
 }
 
-fn lead_text(score: [f64; 2]) -> String {
+fn lead_text(score: [f64; 2], is_over: bool) -> String {
+    let verb = if is_over { "won" } else { "leads" };
     leader(score)
-        .map_or("tied".to_owned(), |name| format!("{name} leads by {}", points_text((score[0] - score[1]).abs())))
+        .map_or("tied".to_owned(), |name| format!("{name} {verb} by {}", points_text((score[0] - score[1]).abs())))
 }
 
 /// Points are whole numbers with ordinary rules.

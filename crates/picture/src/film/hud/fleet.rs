@@ -123,7 +123,7 @@ fn role_lines(view: &HudView, any: AgentId) -> Option<Vec<PanelLine>> {
         lines.push(line("standing or planning", |sums| sums.standing + sums.waiting + sums.planning));
     }
     if let [sums] = sums.as_slice() {
-        let plans = format!("{} plans, {} failed", sums.plans, sums.failures);
+        let plans = format!("{} routes planned, {} failed", sums.plans, sums.failures);
         lines.push(PanelLine::new(vec![LineMark::left(plans, TextFace::faint())]));
     }
     Some(lines)

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use crate::film::field::compass_word;
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
 use wildfire_timeline::{Activity, AgentId};
 
@@ -26,6 +28,22 @@ pub fn format_cpu(time: Duration) -> String {
     } else {
         format!("{:.2} s", time.as_secs_f64())
     }
+}
+
+/// Hectares with two decimals, or whole ones from a hundred on.
+pub fn format_hectares(hectares: f64) -> String {
+    if hectares < 100.0 { format!("{hectares:.2} ha") } else { format!("{hectares:.0} ha") }
+}
+
+/// Whole metres, or kilometres with two decimals.
+pub fn format_length(metres: f64) -> String {
+    if metres < 1000.0 { format!("{metres:.0} m") } else { format!("{:.2} km", metres / 1000.0) }
+}
+
+/// How far the middle of a cell lies from an agent, and in which direction.
+pub fn format_way(frame: &FieldFrame, from: DVec2, to: Cell) -> String {
+    let way = frame.centre(to) - from;
+    format!("{:.0} m {}", way.length(), compass_word(compass::azimuth_deg(way)))
 }
 
 /// Returns the name of what an agent is doing; one without wheels walks.

@@ -132,7 +132,8 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
 
 /// The block of the legend: a line for each path, two entries of other kinds in one, then what gives points.
 pub fn legend_block(view: &HudView) -> PanelBlock {
-    let entries = legend_entries(view.runs, view.pane_side);
+    let entries = legend_entries(view.runs, view.pane_side).into_iter().filter(|entry| is_there(view.runs, entry));
+    let entries: Vec<LegendEntry> = entries.collect();
     let is_cell = |entry: &LegendEntry| matches!(entry.sign, LegendSign::Cell(_) | LegendSign::Ground(_));
     let marks = |from: f32, entry: &LegendEntry| {
         let name = from + if is_cell(entry) { 1.9 } else { NAME };
@@ -148,8 +149,28 @@ pub fn legend_block(view: &HudView) -> PanelBlock {
         PanelLine::new(each.collect())
     });
     all.extend(pairs);
-    all.extend(wrapped_lines(&points_sentence(&view.runs[0].timeline().setting)));
-    PanelBlock::new(RANK, all).with_min(PATHS)
+    if !view.is_of_ground() {
+        all.extend(wrapped_lines(&points_sentence(&view.runs[0].timeline().setting)));
+    }
+    let min = PATHS.min(all.len());
+    PanelBlock::new(RANK, all).with_min(min)
+}
+
+/// Returns whether a run has, or will have, what an entry explains.
+fn is_there(runs: &[&RunView], entry: &LegendEntry) -> bool {
+    let has_agent = |belongs: fn(Role) -> bool| {
+        runs.iter().any(|run| run.timeline().setting.agents.iter().any(|agent| belongs(agent.id.role)))
+    };
+    match entry.sign {
+        LegendSign::Line(dash, gap) if dash > 0.0 && dash < gap => has_agent(Role::drives),
+        LegendSign::Line(..) => has_agent(|_| true),
+        LegendSign::Cell(colour) if colour == LOST_LINE => {
+            let cleared = runs.iter().filter_map(|run| run.index().ground()).flat_map(|ground| ground.line_cells());
+            cleared.into_iter().any(|cell| !cell.holds)
+        }
+        LegendSign::Cell(_) if entry.text == "wet" => has_agent(Role::suppresses),
+        _ => true,
+    }
 }
 
 /// Breaks a sentence into faint lines that fit into a column of the panel.
@@ -211,9 +232,13 @@ mod tests {
 
     /// All texts of some blocks of the panel at the start.
     fn texts(run: &RunView, blocks: impl Fn(&HudView) -> Vec<PanelBlock>) -> String {
+        texts_at(run, SimTime::ZERO, blocks)
+    }
+
+    fn texts_at(run: &RunView, time: SimTime, blocks: impl Fn(&HudView) -> Vec<PanelBlock>) -> String {
         let options = ViewOptions::default();
-        let states = [run.state_at(SimTime::ZERO)];
-        let request = FrameRequest { runs: &[run], time: SimTime::ZERO, options: &options };
+        let states = [run.state_at(time)];
+        let request = FrameRequest { runs: &[run], time, options: &options };
         let blocks = blocks(&HudView::new(&request, &states));
         let marks = blocks.iter().flat_map(|block| &block.lines).flat_map(|line| &line.marks);
         let text = |mark: &LineMark| match mark {
@@ -266,6 +291,34 @@ mod tests {
         for word in ["grass", "on fire", "burned", "wet"] {
             assert!(text.contains(word), "{word}: {text}");
         }
+    }
+
+    #[test]
+    fn fires_on_the_ground_are_told_in_hectares() {
+        let run = RunView::new(sample::ground_alone(&[sample::TRUCK]), None);
+        let text = texts_at(&run, run.end_time(), panel_blocks);
+        let counts = run.index().ground().expect("it has ground").counts_at(run.end_time());
+        let burned = run.hectares(counts.cells - counts.intact());
+        assert!(burned > 0.0);
+        for word in [format!("burned {burned:.2} ha"), "perimeter".into(), "trucks at work".into()] {
+            assert!(text.contains(&word), "{word}: {text}");
+        }
+        for word in ["intact", "Points", "lost line", "goal ("] {
+            assert!(!text.contains(word), "{word}: {text}");
+        }
+        let text = texts(&RunView::new(sample::ground_alone(&[]), None), panel_blocks);
+        for word in ["driven", "planned", "wet", "at work"] {
+            assert!(!text.contains(word), "{word}: {text}");
+        }
+    }
+
+    #[test]
+    fn a_side_leads_until_the_end_and_has_won_then() {
+        let run = RunView::new(sample::random(2, SimTime::from_seconds(300.0)), None);
+        let before = SimTime::from_nanos(run.end_time().as_nanos() - 1);
+        let scores = |time| texts_at(&run, time, |view| scores_block(view).into_iter().collect());
+        assert!(scores(before).contains(" leads by "), "{}", scores(before));
+        assert!(scores(run.end_time()).contains(" won by "), "{}", scores(run.end_time()));
     }
 
     #[test]

@@ -83,6 +83,11 @@ impl<'a> HudView<'a> {
         self.runs.iter().any(|run| run.index().ground().is_some())
     }
 
+    /// Says whether all of the runs are told in hectares.
+    pub fn is_of_ground(&self) -> bool {
+        self.runs.iter().all(|run| run.is_of_ground())
+    }
+
     pub fn is_comparison(&self) -> bool {
         self.runs.len() > 1
     }

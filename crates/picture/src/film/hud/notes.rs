@@ -2,7 +2,7 @@
 
 use crate::canvas::Point;
 use crate::colours::{INK, PAPER};
-use crate::film::hud::formatting::format_clock;
+use crate::film::hud::formatting::{format_clock, format_hectares};
 use crate::film::hud::pen::{TextFace, TextPen};
 use crate::film::hud::{HudView, formatting};
 use crate::film::lettering::fitted;
@@ -62,12 +62,21 @@ fn draw_note(pen: &mut TextPen, text: &str, (left, top): Point, face: TextFace) 
 
 const HEADLINE_CLOCK: TextFace = TextFace { size: 1.3, ..TextFace::TITLE };
 
-/// The clock, and as many of the counts as there is room for; of a comparison both runs'.
+/// The clock, and as many of the counts as there is room for, or what ground has burned; of a comparison both runs'.
 pub fn draw_headline(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     let base = layout.chart.top as f32 + pen.length(2.1);
     let mut x = pen.length(1.0);
     pen.write(&format_clock(view.time), (x, base), Align::Left, HEADLINE_CLOCK);
     x += pen.measure(&format_clock(view.time), HEADLINE_CLOCK) + pen.length(1.5);
+    if view.is_of_ground() {
+        let burned = view.runs.iter().filter_map(|run| {
+            let counts = run.index().ground()?.counts_at(view.time);
+            Some(format_hectares(run.hectares(counts.cells - counts.intact())))
+        });
+        let burned = format!("{} burned", burned.collect::<Vec<_>>().join(" : "));
+        pen.write(&burned, (x, base), Align::Left, TextFace::STRONG);
+        return;
+    }
     let sign = pen.length(1.5);
     let right = layout.width as f32 - pen.length(1.0);
     for kind in [BushStateKind::Burning, BushStateKind::BurnedOut, BushStateKind::Extinguished, BushStateKind::Intact] {

@@ -3,7 +3,7 @@
 use crate::colours::agent_colour;
 use crate::film::hud::blocks::{heading, values};
 use crate::film::hud::fleet::fleet_blocks;
-use crate::film::hud::formatting::{activity_name, format_clock, format_cpu};
+use crate::film::hud::formatting::{activity_name, format_clock, format_cpu, format_way};
 use crate::film::hud::panel::{LineMark, PanelBlock, PanelLine};
 use crate::film::hud::pen::TextFace;
 use crate::film::hud::{HudView, formatting};
@@ -51,10 +51,14 @@ pub fn cells_word(agent: AgentId) -> &'static str {
 
 fn agent_lines(run: &RunView, index: usize, agent: &AgentState, time: SimTime) -> Vec<PanelLine> {
     let stats = run.stats_at(index, time);
-    let goal = agent.goal.map_or("no goal".to_owned(), |goal| format!("goal {goal}"));
-    let cells = format!("{} {}", stats.cells, cells_word(agent.id));
+    let frame = run.timeline().setting.frame;
+    let way = |goal| format!("goal {}", format_way(&frame, agent.pose.position(), goal));
+    let goal = agent.goal.map_or("no goal".to_owned(), way);
+    // Trucks put out ground, too, which is not theirs alone and is counted above.
+    let noun = if run.is_of_ground() { " bushes" } else { "" };
+    let cells = format!("{}{noun} {}", stats.cells, cells_word(agent.id));
     let effort =
-        run.cpu_of_agent_until(agent.id, time).map_or_else(|| format!("{} nodes", stats.expansions), format_cpu);
+        run.cpu_of_agent_until(agent.id, time).map_or_else(|| format!("{} search steps", stats.expansions), format_cpu);
     vec![
         PanelLine::new(vec![
             agent_mark(agent.id),
@@ -62,7 +66,7 @@ fn agent_lines(run: &RunView, index: usize, agent: &AgentState, time: SimTime) -
         ]),
         PanelLine::new(vec![LineMark::left(goal, TextFace::faint()), LineMark::right(cells, TextFace::faint())]),
         PanelLine::new(vec![
-            LineMark::left(format!("{} plans, {} failed", stats.plans, stats.failures), TextFace::faint()),
+            LineMark::left(format!("{} routes, {} failed", stats.plans, stats.failures), TextFace::faint()),
             LineMark::right(effort, TextFace::faint()),
         ]),
     ]
@@ -95,7 +99,7 @@ fn compared_agent_lines(view: &HudView, id: AgentId) -> Vec<PanelLine> {
         heading(view, agent_mark(id)),
         line("does", &|activity, _| activity_name(id, activity).to_owned()),
         line(cells_word(id), &|_, did| did.cells.to_string()),
-        line("plans, failed", &|_, did| format!("{}, {}", did.plans, did.failures)),
+        line("routes, failed", &|_, did| format!("{}, {}", did.plans, did.failures)),
     ]
 }
 
@@ -115,7 +119,7 @@ pub fn story_block(view: &HudView) -> Option<PanelBlock> {
 
 fn story_heading(view: &HudView, run_index: usize, selected: Selected) -> PanelLine {
     let (name, colour) = match selected {
-        Selected::Bush(cell) => (format!("bush {cell}"), TextFace::STRONG.colour),
+        Selected::Bush(cell) => (format!("bush in column {}, row {}", cell.col, cell.row), TextFace::STRONG.colour),
         Selected::Agent(id) => (id.to_string(), agent_colour(id)),
     };
     let mut marks = vec![LineMark::left(name, TextFace { colour, ..TextFace::STRONG })];
@@ -174,14 +178,15 @@ pub fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
 
 fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Option<Vec<PanelLine>> {
     let index = run.timeline().setting.agent_index(id)?;
-    let AgentState { speed_mps, activity, goal, .. } = state.agents[index];
+    let AgentState { pose, speed_mps, activity, goal, .. } = state.agents[index];
+    let way = |goal| format_way(&run.timeline().setting.frame, pose.position(), goal);
     let stats = run.stats_at(index, now);
     let mut lines = vec![
         PanelLine::pair(activity_name(id, activity), format!("{speed_mps:.1} m/s")),
-        PanelLine::pair("goal", goal.map_or("none".to_owned(), |goal| goal.to_string())),
+        PanelLine::pair("goal", goal.map_or("none".to_owned(), way)),
         PanelLine::pair("distance", format!("{:.0} m", stats.distance_m)),
         PanelLine::pair("cells", format!("{} {}", stats.cells, cells_word(id))),
-        PanelLine::pair("plans", format!("{} ({} failed)", stats.plans, stats.failures)),
+        PanelLine::pair("routes planned", format!("{} ({} failed)", stats.plans, stats.failures)),
     ];
     if let Some(Fact::Agent(_, AgentFact::PlanFailed { reason, goal, .. })) =
         stats.last_failure.map(|at| &run.timeline().events[at].fact)

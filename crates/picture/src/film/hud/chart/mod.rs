@@ -1,11 +1,12 @@
-//! Counts of bushes over the whole run, stacked, with marks of events above; of two runs, also how they differ.
+//! Counts of bushes over the whole run, stacked, with marks of events above; of two runs, also how they differ. Fires on the
+//! ground are shown in hectares.
 //!
 //! What lies ahead of the request's time is paler than what has passed. Both are drawn once and put together by
 //! columns.
 
 mod strips;
 
-use strips::{draw_differences, draw_event_lanes, draw_stacked_counts, draw_without_intact, lanes_of};
+use strips::{draw_differences, draw_event_lanes, draw_scale_note, draw_stacked_counts, lanes_of};
 
 use crate::Rgb;
 use crate::canvas::Canvas;
@@ -29,6 +30,8 @@ const MAX_FIFTHS: u32 = 4;
 const MIN_BUSHES: u32 = 1000;
 /// The share of the height that what is left takes at most, so that the words above it have room.
 const FILLED: f64 = 0.8;
+/// The least height of a chart in hectares, for runs without fire.
+const MIN_HECTARES: f64 = 1e-3;
 
 /// Draws the chart of a request; keeps it as long as the runs are the same.
 #[derive(Default)]
@@ -90,10 +93,17 @@ pub enum CountScale {
     All,
     /// The intact ones are left out, and this many bushes take the whole height.
     WithoutIntact { max: f64 },
+    /// Ground on fire and burned; this many hectares take the whole height.
+    Hectares { max: f64 },
 }
 
 impl CountScale {
     pub fn new(runs: &[&RunView]) -> Self {
+        if runs.iter().all(|run| run.is_of_ground()) {
+            let burned = runs.iter().map(|run| strips::amounts_at(run, run.end_time(), Self::Hectares { max: 1.0 }));
+            let max = burned.map(|amounts| amounts.iter().sum()).fold(0.0, f64::max);
+            return Self::Hectares { max: round_up((max / FILLED).max(MIN_HECTARES)) };
+        }
         // A bush that was lit once is never intact again.
         let counts = runs.iter().map(|run| run.counts_at(run.end_time()));
         let changed_and_all: Vec<(u32, u32)> =
@@ -103,10 +113,7 @@ impl CountScale {
         };
         let max = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
         if max > 0 && changed_and_all.iter().all(is_dwarfed) {
-            // Round, since a strip of little height has no number but those at its ends.
-            let max = f64::from(max) / FILLED;
-            let step = round_step(max / 20.0);
-            Self::WithoutIntact { max: step * (max / step).ceil() }
+            Self::WithoutIntact { max: round_up(f64::from(max) / FILLED) }
         } else {
             Self::All
         }
@@ -115,10 +122,29 @@ impl CountScale {
     /// Returns how many bushes take the whole height, where the intact ones are left out.
     pub fn max(self) -> Option<f64> {
         match self {
-            Self::All => None,
+            Self::All | Self::Hectares { .. } => None,
             Self::WithoutIntact { max } => Some(max),
         }
     }
+
+    /// Returns the least distance between two numbers of the axis: bushes are whole.
+    fn min_step(self) -> f64 {
+        if matches!(self, Self::Hectares { .. }) { 0.0 } else { 1.0 }
+    }
+
+    /// Returns the bushes, or hectares, of a run that take the whole height.
+    fn max_of(self, run: &RunView) -> f64 {
+        match self {
+            Self::All => f64::from(run.counts_at(SimTime::ZERO).bushes()),
+            Self::WithoutIntact { max } | Self::Hectares { max } => max,
+        }
+    }
+}
+
+/// A round value, since a strip of little height has no number but those at its ends.
+fn round_up(max: f64) -> f64 {
+    let step = round_step(max / 20.0);
+    step * (max / step).ceil()
 }
 
 impl ChartPen<'_> {
@@ -147,14 +173,8 @@ fn draw_chart(runs: &[&RunView], layout: &FrameLayout, lettering: &mut Lettering
             draw_event_lanes(&mut pen, rows, run);
         }
         draw_stacked_counts(&mut pen, strip.area, run);
-        let max = match scale {
-            CountScale::All => f64::from(run.counts_at(SimTime::ZERO).bushes()),
-            CountScale::WithoutIntact { max } => max,
-        };
-        draw_value_axis(&mut pen, strip.area, (0.0, max));
-        if scale != CountScale::All {
-            draw_without_intact(&mut pen, strip.area, run);
-        }
+        draw_value_axis(&mut pen, strip.area, (0.0, scale.max_of(run)), scale.min_step());
+        draw_scale_note(&mut pen, strip.area, run);
         if runs.len() > 1 {
             draw_run_name(&mut pen, strip, run_index);
         }
@@ -234,7 +254,8 @@ impl ChartPlan {
         };
         let (each, gap) = (strips_room / runs as u32, part(5));
         let lanes = shown.iter().copied().map(lanes_of).max().unwrap_or(0);
-        let lanes_height = part(lanes * if runs == 1 { 12 } else { 8 });
+        // A chart without lanes keeps room for the highest number of its axis.
+        let lanes_height = part((lanes * if runs == 1 { 12 } else { 8 }).max(6));
         let strips = (0..runs as u32).map(|run_index| {
             let top = top + run_index * each;
             let height = if run_index + 1 == runs as u32 { each } else { each - gap.min(each) };
@@ -296,12 +317,13 @@ fn draw_value_axis(
     ChartPen { canvas, lettering, plan, .. }: &mut ChartPen,
     (top, height): RowRange,
     (low, high): (f64, f64),
+    min_step: f64,
 ) {
     let (top, height) = (top as f32, height as f32);
     let max = (height / plan.length(BETWEEN_VALUES)) as usize;
     let right = plan.columns.0 as f32 - 1.0;
     canvas.fill_rect(right, top, 1.0, height, FAINT_INK);
-    for tick in ticks(low, high, max.max(1), 1.0) {
+    for tick in ticks(low, high, max.max(1), min_step) {
         let share = (tick.value - low) / (high - low).max(f64::MIN_POSITIVE);
         let y = top + height * (1.0 - to_f32(share));
         canvas.fill_rect(right - plan.length(0.3), y.min(top + height - 1.0), plan.length(0.3), 1.0, INK);
@@ -351,6 +373,16 @@ mod tests {
         let (calm, wild) = (run(2000, 8), run(2000, 80));
         assert_eq!(CountScale::new(&[&calm, &wild]), CountScale::WithoutIntact { max: 100.0 });
         assert_eq!(CountScale::new(&[&calm, &run(2000, 1000)]), CountScale::All);
+    }
+
+    #[test]
+    fn ground_is_shown_in_hectares_below_a_round_number() {
+        let run = RunView::new(sample::ground_alone(&[]), None);
+        let CountScale::Hectares { max } = CountScale::new(&[&run]) else { panic!("it has ground alone") };
+        let amounts = strips::amounts_at(&run, run.end_time(), CountScale::Hectares { max });
+        let burned: f64 = amounts.iter().sum();
+        assert!(burned > 0.0 && (0.7 * max..=FILLED * max * (1.0 + 1e-9)).contains(&burned), "{burned} of {max}");
+        assert_eq!(CountScale::new(&[&run, &self::run(10, 1)]), CountScale::All);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use crate::Rgb;
 use crate::canvas::{Canvas, Point};
 use crate::colours::{BURNING, EXTINGUISHED, FAINT_INK, INK, PAPER, blend, bush_colour};
-use crate::film::hud::chart::{ChartPen, ChartPlan, CountScale, RowRange, draw_value_axis};
+use crate::film::hud::chart::{ChartPen, ChartPlan, CountScale, MIN_HECTARES, RowRange, draw_value_axis};
 use crate::film::lettering::{LetterStyle, fitted};
 use crate::film::{RunView, Verdict};
 use crate::font::Weight;
@@ -13,7 +13,7 @@ use crate::text::{Align, measure_weighted};
 use crate::ticks::round_step;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{AgentFact, BushCounts, Fact, FireFact};
+use wildfire_timeline::{AgentFact, Fact, FireFact};
 
 /// The parts from the bottom up: what is lost, what burns, what was saved, what nothing happened to.
 const STACKED: [BushStateKind; 4] =
@@ -26,8 +26,10 @@ pub fn draw_stacked_counts(pen: &mut ChartPen, (top, height): RowRange, run: &Ru
         colours[3] = PAPER;
     }
     let (left, width) = pen.plan.columns;
+    let max = pen.scale.max_of(run).max(f64::MIN_POSITIVE);
     for column in 0..width {
-        let edges = edges(&run.counts_at(column_time(column, width, pen.end)), pen.scale, height);
+        let amounts = amounts_at(run, column_time(column, width, pen.end), pen.scale);
+        let edges = edges(amounts, max, height);
         for row in 0..height {
             let [red, green, blue] = row_colour(row, &edges, &colours);
             pen.canvas.row_from((left + column) as usize, (top + row) as usize)[0] = [red, green, blue, 255];
@@ -40,24 +42,40 @@ fn column_time(column: u32, width: u32, end: SimTime) -> SimTime {
     SimTime::from_seconds(end.as_seconds() * (f64::from(column) + 0.5) / f64::from(width))
 }
 
+/// Returns what a run has of each part, from the bottom up: bushes, or hectares of ground.
+pub fn amounts_at(run: &RunView, time: SimTime, scale: CountScale) -> [f64; 4] {
+    match (scale, run.index().ground()) {
+        (CountScale::Hectares { .. }, Some(ground)) => {
+            let counts = ground.counts_at(time);
+            [counts.burned_out, counts.burning, counts.extinguished, 0].map(|cells| run.hectares(cells))
+        }
+        _ => {
+            let counts = run.counts_at(time);
+            STACKED.map(|kind| f64::from(counts.count(kind)))
+        }
+    }
+}
+
 /// Returns how far down the upper edge of each part lies, in rows.
-fn edges(counts: &BushCounts, scale: CountScale, height: u32) -> [f64; 4] {
-    let (mut below, height) = (0, f64::from(height));
-    let max = match scale {
-        CountScale::All => f64::from(counts.bushes().max(1)),
-        CountScale::WithoutIntact { max } => max,
-    };
-    STACKED.map(|kind| {
-        below += counts.count(kind);
-        height * (1.0 - f64::from(below) / max)
+fn edges(amounts: [f64; 4], max: f64, height: u32) -> [f64; 4] {
+    let mut below = 0.0;
+    amounts.map(|amount| {
+        below += amount;
+        f64::from(height) * (1.0 - below / max)
     })
 }
 
-/// Says that the intact bushes are left out, and how many there are.
-pub fn draw_without_intact(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
-    let counts = run.counts_at(run.end_time());
-    let intact = counts.count(BushStateKind::Intact);
-    let note = format!("intact bushes left out: {intact} of {} at the end", counts.bushes());
+/// Says that the intact bushes are left out, and how many there are, or that the chart is in hectares.
+pub fn draw_scale_note(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
+    let note = match pen.scale {
+        CountScale::All => return,
+        CountScale::WithoutIntact { .. } => {
+            let counts = run.counts_at(run.end_time());
+            let intact = counts.count(BushStateKind::Intact);
+            format!("intact bushes left out: {intact} of {} at the end", counts.bushes())
+        }
+        CountScale::Hectares { .. } => "hectares of ground that burn, and that have burned".to_owned(),
+    };
     let ChartPen { canvas, lettering, plan, .. } = pen;
     let style =
         LetterStyle { height: 0.85 * plan.text as f32, weight: Weight::Regular, colour: blend(PAPER, INK, 0.7) };
@@ -83,6 +101,8 @@ fn row_colour(row: u32, edges: &[f64; 4], colours: &[Rgb; 4]) -> Rgb {
 struct EventLane {
     name: &'static str,
     colour: Rgb,
+    /// Whether a run can have any.
+    is_there: fn(&RunView) -> bool,
     belongs: fn(&Fact) -> bool,
 }
 
@@ -90,25 +110,33 @@ const LANES: [EventLane; 3] = [
     EventLane {
         name: "ignitions",
         colour: BURNING,
+        is_there: has_bushes,
         belongs: |fact| matches!(fact, Fact::Fire(FireFact::Ignited { .. })),
     },
     EventLane {
         name: "extinctions",
         colour: EXTINGUISHED,
+        is_there: has_bushes,
         belongs: |fact| matches!(fact, Fact::Fire(FireFact::Extinguished { .. })),
     },
     EventLane {
         name: "failed plans",
         colour: INK,
+        is_there: |run| !run.timeline().setting.agents.is_empty(),
         belongs: |fact| matches!(fact, Fact::Agent(_, AgentFact::PlanFailed { .. })),
     },
 ];
 /// Names are written where a lane is at least this high, in pixels.
 const NAMED: u32 = 8;
 
+/// Fires on the ground are too many for marks, and are not among the events.
+fn has_bushes(run: &RunView) -> bool {
+    !run.timeline().setting.bushes.is_empty()
+}
+
 /// Counts the lanes of a run.
 pub fn lanes_of(run: &RunView) -> u32 {
-    LANES.len() as u32 + u32::from(!run.verdicts().is_empty())
+    LANES.iter().filter(|lane| (lane.is_there)(run)).count() as u32 + u32::from(!run.verdicts().is_empty())
 }
 
 /// The columns of a lane's marks by colour.
@@ -118,10 +146,11 @@ type LaneMarks = Vec<(Rgb, Vec<u32>)>;
 /// have a lane of their own.
 pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
     let (width, end) = (pen.plan.columns.1, pen.end);
-    let events = LANES.iter().map(|lane| (lane.name, vec![(lane.colour, event_columns(run, width, end, lane))]));
+    let there = LANES.iter().filter(|lane| (lane.is_there)(run));
+    let events = there.map(|lane| (lane.name, vec![(lane.colour, event_columns(run, width, end, lane))]));
     let verdicts = (!run.verdicts().is_empty()).then(|| ("decisions", verdict_columns(run, width, end)));
     let lanes: Vec<(&str, LaneMarks)> = events.chain(verdicts).collect();
-    let pitch = height / lanes.len() as u32;
+    let pitch = height / (lanes.len() as u32).max(1);
     for (index, (name, marks)) in (0..).zip(lanes) {
         let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
         for (colour, columns) in marks {
@@ -181,24 +210,22 @@ fn draw_marks(canvas: &mut Canvas, plan: &ChartPlan, (top, bottom): (u32, u32), 
 struct CountCurve {
     name: &'static str,
     colour: Rgb,
-    count: fn(&BushCounts) -> u32,
+    /// Of the amounts from the bottom up.
+    amount: fn([f64; 4]) -> f64,
 }
 
 const CURVES: [CountCurve; 2] = [
-    CountCurve { name: "burned", colour: BURNING, count: BushCounts::burned },
-    CountCurve {
-        name: "extinguished",
-        colour: EXTINGUISHED,
-        count: |counts| counts.count(BushStateKind::Extinguished),
-    },
+    CountCurve { name: "burned", colour: BURNING, amount: |[burned_out, burning, ..]| burned_out + burning },
+    CountCurve { name: "extinguished", colour: EXTINGUISHED, amount: |amounts| amounts[2] },
 ];
 
 /// Draws how much larger the counts of the first run are than those of the second.
 pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, one: &RunView, other: &RunView) {
-    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, one, other, curve.count)));
-    let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
-    let largest = round_step(largest);
-    draw_value_axis(pen, rows, (-largest, largest));
+    let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, one, other, curve.amount)));
+    let min_step = pen.scale.min_step();
+    let values = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs());
+    let largest = round_step(values.fold(min_step.max(MIN_HECTARES), f64::max));
+    draw_value_axis(pen, rows, (-largest, largest), min_step);
     let (top, height) = (rows.0 as f32, rows.1 as f32);
     let left = pen.plan.columns.0 as f32;
     let width = pen.plan.columns.1 as f32;
@@ -214,10 +241,11 @@ pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, one: &RunView, other
 }
 
 /// Returns the difference in the middle of each column.
-fn differences(pen: &ChartPen, one: &RunView, other: &RunView, count: fn(&BushCounts) -> u32) -> Vec<f64> {
+fn differences(pen: &ChartPen, one: &RunView, other: &RunView, amount: fn([f64; 4]) -> f64) -> Vec<f64> {
     let width = pen.plan.columns.1;
     let times = (0..width).map(|column| column_time(column, width, pen.end));
-    times.map(|time| f64::from(count(&one.counts_at(time))) - f64::from(count(&other.counts_at(time)))).collect()
+    let of_run = |run: &RunView, time| amount(amounts_at(run, time, pen.scale));
+    times.map(|time| of_run(one, time) - of_run(other, time)).collect()
 }
 
 /// Draws the names of the curves above them.
