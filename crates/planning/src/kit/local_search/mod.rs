@@ -151,6 +151,7 @@ impl LocalSearch {
             // The budget is that of the whole route: legs before may have spent it.
             let found = self.search.run(&leg, limit.saturating_sub(self.expansions));
             self.expansions += self.search.expansions();
+            // A search that failed is counted and shown as well, so both come before the error is returned.
             observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines());
             let found = found?;
             pose = found.end();

@@ -101,6 +101,7 @@ impl PrmPrimitives {
             self.local.drive(start, &route.waypoints, end, observer)
         });
         let path = match path {
+            // Near the goal there were no waypoints, and the same search would be made again.
             Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone && !is_near => {
                 self.local.drive(start, &[], goal, observer)
             }
