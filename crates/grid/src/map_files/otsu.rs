@@ -41,6 +41,7 @@ impl Histogram {
             dark += count as f64;
             dark_sum += value as f64 * count as f64;
             let light = total - dark;
+            // A class without pixels has no mean.
             if dark == 0.0 || light == 0.0 {
                 continue;
             }

@@ -24,6 +24,7 @@ const MAX_LINE: u64 = 1000;
 pub(super) fn read(mut source: impl BufRead, bytes: u64, transparency: Transparency) -> Result<GreyImage, Fault> {
     let header = PnmHeader::read(&mut source, transparency)?;
     let PnmHeader { rows, cols, layout, .. } = header;
+    // No more room than the bytes of the file can fill, whatever its header claims.
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
     let mut pixels = Pixels::with_room(layout, possible.min(rows * cols))?;
     let mut raster = PnmPixels { source, header, bytes: Vec::new(), samples: Vec::new() };
@@ -199,6 +200,7 @@ impl<R: BufRead> PnmPixels<R> {
                 }
             };
             let sample = u16::try_from(number).unwrap_or(u16::MAX);
+            // In a bitmap 1 is black.
             self.samples.push(if is_bitmap { 1 - sample } else { sample });
         }
         Ok(())

@@ -96,8 +96,10 @@ fn join(occupied: &Grid<bool>, points: &[GridPoint], settings: &PrmSettings) -> 
         let others = near.into_iter().filter(|&other| other != number).take(max);
         pairs.extend(others.map(|other| [number.min(other), number.max(other)]));
     }
+    // Two points that choose each other are one pair, found twice.
     pairs.sort_unstable();
     pairs.dedup();
+    // Last, as the test of a segment costs the most.
     pairs.retain(|&[a, b]| is_free_segment(occupied, points[a as usize], points[b as usize], CORNERS));
     pairs
 }

@@ -116,6 +116,7 @@ impl BandItems {
         let plain = Self { name: None, unit: None, scale: 1.0, offset: 0.0, is_opacity: false };
         let mut all = vec![plain; bands];
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(damaged)?.unwrap_or_default();
+        // Extra samples are the last bands of an image.
         for (band, kind) in all.iter_mut().rev().zip(extra.iter().rev()) {
             band.is_opacity = [ExtraSamples::AssociatedAlpha, ExtraSamples::UnassociatedAlpha]
                 .iter()
@@ -129,6 +130,7 @@ impl BandItems {
             let number = attribute("sample=\"").and_then(|number| number.parse::<usize>().ok());
             let Some(band) = number.and_then(|number| all.get_mut(number)) else { continue };
             let value = value.split('<').next().unwrap_or_default();
+            // The ampersand comes last: `&amp;lt;` stands for `&lt;` and not for a bracket.
             let value = value.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
             let factor = || {
                 let found = || wildfire_base::untrusted::visible_start(&value);
@@ -262,6 +264,7 @@ fn numbers(samples: DecodingResult) -> Result<Vec<f32>, RasterFault> {
 
 /// Rounds a number to 32 bits; what is beyond their range, as values for no data often are, becomes its end.
 fn narrowed(number: f64) -> f32 {
+    // Infinity is a value of its own, and not one beyond the range.
     if number.is_infinite() { number as f32 } else { number.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 

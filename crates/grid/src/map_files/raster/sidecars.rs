@@ -20,6 +20,7 @@ pub(super) fn projection(path: &Path) -> SpatialReference {
 
 /// Refuses a raster whose numbers a file beside it changes.
 pub(super) fn refuse_changes(path: &Path) -> Result<(), RasterFault> {
+    // GDAL appends these endings to the whole name, whereas `.prj` replaces the ending.
     let beside = |ending: &str| PathBuf::from([path.as_os_str(), ending.as_ref()].into_iter().collect::<OsString>());
     let mask = beside(".msk");
     if mask.is_file() {
