@@ -114,6 +114,7 @@ impl Embers {
             return Vec::new();
         }
         let mean_m = d0 * ops::pow(intensity_kw_m, a) * ops::pow(speed, b);
+        // Settings may make it 0 or infinite, neither of which has a logarithm to go on with.
         if !(mean_m > 0.0 && mean_m.is_finite()) {
             return Vec::new();
         }

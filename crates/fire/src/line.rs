@@ -158,6 +158,7 @@ impl LineTask<'_> {
             time_s += step_s;
             if let [Some(one), Some(other)] = builders {
                 let between = place(other) - place(one);
+                // At the start they are as near to each other, but have the fire still before them.
                 let is_ahead = (other.0 - one.0).dot(one.1.perp()) > 0.0;
                 line.is_closed = is_ahead && between.length() <= 1.5 * (lengths_m[0] + lengths_m[1]);
             }
@@ -251,6 +252,7 @@ impl Line {
             }
         }
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));
+        // Whoever comes first clears the cell, and later builders find it done.
         cells.dedup_by_key(|line| line.cell);
         cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.along_m.total_cmp(&b.along_m)));
         cells
