@@ -173,6 +173,7 @@ impl<R: Read> TextReader<R> {
         let mut units: Vec<u16> = units.collect();
         let is_end = (block.len() as u64) < BLOCK;
         if !is_end {
+            // The second half of that character is in the next block.
             self.surrogate = units.pop_if(|unit| matches!(unit, 0xD800..0xDC00));
         }
         let end = self.bytes_read + 2 * (pairs.len() - usize::from(self.surrogate.is_some())) as u64;

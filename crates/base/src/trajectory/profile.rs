@@ -161,6 +161,7 @@ fn drive_segment(
     let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
     let mut peak = fastest_mps;
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
+        // Not both are zero: without limits a change of speed takes no way, and there would be enough.
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
     let gaining = way_to(peak, entry, per_gain);
