@@ -82,6 +82,7 @@ fn write_samples<W: Write>(arrays: &mut ArrayFile<W>, timeline: &Timeline, sampl
     let mut activities = vec![0_u8; count];
     let mut goals = vec![NO_CELL; count];
     let mut replay = Replay::new(timeline);
+    // Times outside and agents inside, so that the replay goes through the run once.
     for (sample, &time) in times.iter().enumerate() {
         replay.seek(time);
         for (row, &agent) in agents.iter().enumerate() {

@@ -250,6 +250,7 @@ impl<'a> FactWriter<'a> {
             }
             AgentFact::RelocationFailed { x_m, y_m, reason, effort, until } => {
                 let Effort { roadmap_expansions, local_expansions } = *effort;
+                // Zero stands for no reason, so the words count from one.
                 let reason = reason.map_or(0, |reason| 1 + number_of(&FAILURES, &reason));
                 let fields = [agent, reason, roadmap_expansions, local_expansions];
                 self.record(kind::RELOCATION_FAILED, &fields);
@@ -281,6 +282,7 @@ impl<'a> FactWriter<'a> {
     fn cell_steps(&mut self, cells: impl Iterator<Item = Cell>) {
         let mut last = 0;
         for cell in cells {
+            // Bushes and cells together are at most 2 * 4096 * 4096, which an `i32` holds.
             let number = self.cell(cell) as i32;
             append(&mut self.records, &(number - last));
             last = number;
@@ -292,6 +294,7 @@ impl<'a> FactWriter<'a> {
         let last = self.last_legs[agent].replace(leg);
         let stands = last.map_or(self.setting.agents[agent].pose, Trajectory::end);
         let mut pieces = leg.pieces();
+        // A leg that is cut short repeats the beginning of the one that was planned.
         if let Some(last) = last.filter(|last| begin_alike(last, leg)) {
             let pairs = last.pieces().iter().zip(pieces);
             let shared = pairs.take_while(|(a, b)| pieces_equal(a, b)).count();
@@ -303,6 +306,7 @@ impl<'a> FactWriter<'a> {
             append(&mut self.records, &(pieces.len() as u32));
         } else {
             self.record(origin::ELSEWHERE, &[]);
+            // A leg that is cut short began before the fact, so this delay has a sign.
             let delay_ns = leg.start_time().as_nanos().wrapping_sub(self.now.as_nanos()).cast_signed();
             append(&mut self.records, &delay_ns);
             append(&mut self.records, &(pieces.len() as u32));
@@ -462,6 +466,7 @@ impl<'a> FactReader<'a> {
             }
             kind::OUT_OF_REACH => {
                 let count = self.number()?;
+                // Counted over all facts, as many lists take as much memory as one long one.
                 self.cells_out_of_reach += count as usize;
                 limit("cells out of reach", self.cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
                 AgentFact::OutOfReach { cells: self.cells(count)? }
@@ -579,6 +584,7 @@ impl<'a> FactReader<'a> {
 
     /// The leg of the fact that is being read, which comes after those that were.
     fn leg(&mut self, agent: usize) -> Result<Trajectory, FileError> {
+        // The fact that is being read takes that place among the events.
         let last = self.last_legs[agent].replace(self.events.len());
         let last = last.and_then(|fact| self.events[fact].fact.trajectory());
         let last_end = last.map(Trajectory::end);
@@ -602,6 +608,7 @@ impl<'a> FactReader<'a> {
             }
             _ => return Err(NO_SUCH_WORD),
         };
+        // Shared pieces count as well: they take memory, but no bytes of the file.
         self.pieces += pieces.len() + count as usize;
         limit("pieces of legs", self.pieces, MAX_PIECES)?;
         for _ in 0..count {

@@ -46,6 +46,7 @@ pub fn take_graph(bytes: &mut &[u8], places: u32, edges: u32) -> Result<SearchGr
 /// By place: where the first edge comes from that leads to it from an earlier one.
 fn origins(places: usize, edges: &[(u32, u32)]) -> Vec<Option<u32>> {
     let mut origins = vec![None; places];
+    // A place is read after those before it, so only one of those can be its origin.
     for &(from, to) in edges.iter().filter(|(from, to)| from < to) {
         origins[to as usize].get_or_insert(from);
     }

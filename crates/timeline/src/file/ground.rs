@@ -109,6 +109,7 @@ impl GroundWriter {
                 plane.learn(index, time.as_nanos());
             }
         }
+        // What follows the last ordinary ignition needs no length: the field ends there.
         if is_ordinary {
             append(&mut self.stretches, &stretch);
         }

@@ -97,6 +97,7 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
+        // A recording may name any flank that fits a byte.
         let mut along_mm = [0; 256];
         let mut line_cells = Vec::new();
         for event in log {
@@ -105,6 +106,7 @@ impl GroundIndex {
                     let index = frame.index(event.cell);
                     let of_cell = &mut burnings[first[index] as usize..first[index + 1] as usize];
                     let started = of_cell.partition_point(|burning| burning.ignited <= event.time);
+                    // What would burn out at this very instant is put out first.
                     if let Some(burning) = of_cell[..started].last_mut().filter(|burning| burning.ends >= event.time) {
                         (burning.ends, burning.is_extinguished) = (event.time, true);
                     }
@@ -243,6 +245,7 @@ impl GroundIndex {
         let mut spotted = 0;
         let mut bushes_burned = 0_u32;
         for (cell, cause) in causes_of_bushes {
+            // A bush that is lit again does not burn its area twice.
             bushes_burned += u32::from(!std::mem::replace(&mut burned[self.frame.index(cell)], true));
             spotted += u32::from(matches!(cause, Cause::Spotted(_)));
         }
@@ -295,10 +298,12 @@ impl FireEnds<'_> {
 
 /// Says of each cell, by index, whether it is ground that burns.
 fn ground_cells(setting: &Setting) -> Vec<bool> {
+    // A landscape has a million cells, but only 256 numbers to look up.
     let burns: Vec<bool> =
         (0..=u8::MAX).map(|number| FuelModel::by_number(number).is_some_and(FuelModel::burns)).collect();
     let fuels = setting.spread.iter().flat_map(|spread| &spread.landscape().fuel);
     let mut is_ground: Vec<bool> = fuels.map(|&number| burns[usize::from(number)]).collect();
+    // A cell with a bush burns as a bush, whatever grows on its ground.
     for &bush in &setting.bushes {
         is_ground[setting.frame.index(bush)] = false;
     }
@@ -320,6 +325,7 @@ fn ignitions_by_cell(frame: FieldFrame, log: &[GroundEvent]) -> (Vec<u32>, Vec<B
     }
     let nothing = Burning { ignited: SimTime::ZERO, ends: SimTime::MAX, is_extinguished: false, event: 0 };
     let mut burnings = vec![nothing; first[frame.cell_count()] as usize];
+    // The log is in order of time, so the fires of each cell are as well.
     let mut next = first.clone();
     for (place, event) in ignitions() {
         let at = &mut next[frame.index(event.cell)];
