@@ -159,6 +159,7 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
 
 /// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
 fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
+    // First, as this alone can fail and must leave the other world as it was.
     let following = from.resource::<PolicySet>().fork().map_err(NotForked)?;
     let agents = &from.resource::<AgentOrder>().0;
     let existing = to.get_resource::<AgentOrder>().map_or(Vec::new(), |roster| roster.0.clone());
@@ -173,6 +174,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
         copy_component::<Wumpus>(&from, &mut to);
         copy_component::<Truck>(&from, &mut to);
     }
+    // Events name their agents, which are other entities in the copy.
     to.insert_resource(
         from.resource::<SimQueue>()
             .for_agents(|agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number])),
