@@ -60,6 +60,7 @@ fn write_setting<W: Write>(arrays: &mut ArrayFile<W>, setting: &Setting, end: Si
             }
         }
     }
+    // A cell is what stands on it, so these overwrite the ground below.
     setting.blocked.iter().for_each(|&cell| field[frame.index(cell)] = kind_of_cell::BLOCKED);
     setting.bushes.iter().for_each(|&cell| field[frame.index(cell)] = kind_of_cell::BUSH);
     arrays.add("field", &shape, field)?;
@@ -131,6 +132,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
     arrays.add("leg_begins_s", &[legs.len()], ways().map(|way| way.start_time().as_seconds()))?;
     arrays.add("leg_starts", &[legs.len(), 3], ways().flat_map(|way| numbers(way.start())))?;
     arrays.add("leg_goals", &[legs.len(), 2], legs.iter().flat_map(|&(_, leg)| goal(leg)))?;
+    // One more than there are legs, so that the last has an end as well.
     arrays.add("leg_first_pieces", &[legs.len() + 1], std::iter::once(0).chain(ends))?;
     let pieces = || ways().flat_map(Trajectory::pieces_with_starts);
     let count = pieces().count();

@@ -24,6 +24,7 @@ impl Sampling {
     /// # Errors
     /// If the step is shorter than [`FINEST_STEP_S`], or the run has no such agent.
     pub fn new(timeline: &Timeline, step_s: f64, names: &[AgentId]) -> Result<Self, ExportError> {
+        // As what is allowed, so that NaN is refused as well.
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
             return Err(ExportError::Step { found: step_s });
         }

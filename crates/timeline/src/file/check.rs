@@ -83,12 +83,15 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     limit("bytes of a name", setting.scenario.len().max(setting.program_version.len()), MAX_NAME_BYTES)?;
     limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
     limit("agents", setting.agents.len(), MAX_AGENTS)?;
+    // The way from an index to its cell divides by the number of columns.
     require(frame.cols > 0 && frame.rows > 0, || "its field has no cells".into())?;
     require(is_size(frame.cell_m), || format!("its cells measure {} m", frame.cell_m))?;
+    // A cell beyond the last column would have the index of another.
     require(setting.bushes.iter().all(|&bush| contains(&frame, bush)), || "a bush stands outside the field".into())?;
     // Recordings keep steps between indices, and [`Setting::bush_index`] halves the list.
     let ascend = setting.bushes.is_sorted_by(|a, b| frame.index(*a) < frame.index(*b));
     require(ascend, || "its bushes are not in the order of their indices".into())?;
+    // Strictly, so that no name is there twice and [`Setting::agent_index`] can halve the list.
     require(setting.agents.is_sorted_by(|a, b| a.id < b.id), || "its agents are not in order".into())?;
     setting.agents.iter().try_for_each(check_agent)?;
     require(setting.blocked.iter().all(|&cell| contains(&frame, cell)), || {
@@ -112,11 +115,13 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
 
 fn check_water(water: &WaterRules) -> Result<(), FileError> {
     limit("places with water", water.places.len(), MAX_AGENTS)?;
+    // [`WaterRules::nearest`] relies on one.
     let are_somewhere = !water.places.is_empty() && water.places.iter().all(|place| place.is_finite());
     require(are_somewhere, || "it has no place with water".into())?;
     let is_tank = water.full_tank > 0 && is_size(water.reach_m);
     require(is_tank, || "its tanks hold nothing, or cannot be filled".into())?;
     let is_pump = |WaterEnergy { portion_l, pump_lps, jet_m, applied }: WaterEnergy| {
+        // How long a stop lasts is computed from these and has to fit the clock.
         let spraying_s = f64::from(water.full_tank) * portion_l / pump_lps;
         [portion_l, pump_lps, jet_m, applied].into_iter().all(is_size) && spraying_s <= LONGEST_SPRAYING_S
     };
@@ -211,6 +216,7 @@ fn check_agent(agent: &AgentStart) -> Result<(), FileError> {
 fn are_limits(limits: SpeedLimits) -> bool {
     let speeds = [limits.forward_mps, limits.reverse_mps];
     let accelerations = [limits.acceleration_mps2, limits.braking_mps2, limits.lateral_mps2];
+    // A Wumpus has no reverse, so its limit there is 0.
     speeds.into_iter().all(|speed| speed.is_finite() && speed >= 0.0)
         && accelerations.into_iter().flatten().all(is_size)
 }

@@ -147,6 +147,7 @@ impl<'a> FactWriter<'a> {
     pub fn write(&mut self, events: &'a [Event]) {
         let mut rest = events;
         while let Some(event) = rest.first() {
+            // The facts are in order of time, so no delay is negative.
             append(&mut self.delays, &(event.time - self.now).as_nanos());
             self.now = event.time;
             let together = spread_together(rest);
@@ -420,6 +421,7 @@ impl<'a> FactReader<'a> {
     fn spread(&mut self, count: usize) -> Result<(), FileError> {
         let cause = Cause::Spread(self.cell()?);
         let together = self.number()?;
+        // No more than the number of facts in all, which has been limited.
         if together as usize > count - self.events.len() {
             return Err(FileError::Damaged("more fires spread in it than it has facts"));
         }

@@ -14,6 +14,7 @@ pub fn append_graph(bytes: &mut Vec<u8>, graph: &SearchGraph) {
         append(bytes, &(to.wrapping_sub(last).cast_signed(), to.wrapping_sub(from).cast_signed()));
         last = to;
     }
+    // A place is told from its first edge, so the edges come before the places.
     let origins = origins(graph.places.len(), &graph.edges);
     for (index, &(x, y)) in graph.places.iter().enumerate() {
         let (origin_x, origin_y) = origin(origins[index], &graph.places[..index]);

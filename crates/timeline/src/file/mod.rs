@@ -243,6 +243,7 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {
         return Err(FileError::Truncated { expected: HEADER_BYTES as u64, found: bytes.len() as u64 });
     };
+    // Before the rest of the header, which other versions may lay out otherwise.
     match u16::from_le_bytes([header[8], header[9]]) {
         // No version has this number.
         0 => return Err(FileError::NotARecording),

@@ -272,6 +272,7 @@ fn due_spreads(timeline: &Timeline) -> Vec<(SimTime, Cell)> {
         let Some(bush) = timeline.setting.bush_index(fact.cell()) else { continue };
         match fact {
             FireFact::Ignited { cause, .. } => {
+                // What an agent or the schedule lit is a source.
                 let may = if matches!(cause, Cause::Spread(_)) { fire.caught_spreads } else { fire.sources_spread };
                 due[bush] = may.then_some(event.time + fire.spread_delay);
             }

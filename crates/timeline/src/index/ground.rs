@@ -132,6 +132,7 @@ impl GroundIndex {
         // The log is in order of time, and the sort is stable.
         wettings.sort_by_key(|wetting| frame.index(wetting.cell));
         let times = |which: &dyn Fn(&Burning) -> Option<SimTime>| {
+            // What still burns at the end of the run has not ended.
             let mut times: Vec<SimTime> = burnings.iter().filter_map(which).filter(|&time| time <= end).collect();
             times.sort_unstable();
             times
@@ -191,6 +192,7 @@ impl GroundIndex {
         let first = self.wettings.partition_point(|wetting| self.frame.index(wetting.cell) < index);
         let of_cell = self.wettings[first..].iter().take_while(|wetting| wetting.cell == cell);
         let started = of_cell.take_while(|wetting| wetting.from <= time.min(self.end));
+        // A later wetting may end earlier, as line never dries.
         started.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
