@@ -84,6 +84,7 @@ impl Piece {
         match *self {
             Self::Drive { segment, speed_mps, acceleration_mps2 } => {
                 let travelled = self.covered_m(elapsed_s).copysign(segment.length_m);
+                // A brake that ends in a stop may end below zero by rounding.
                 let speed_mps = (speed_mps + acceleration_mps2 * elapsed_s).max(0.0);
                 MotionState { pose: segment.pose_at(start, travelled), speed_mps }
             }
@@ -228,6 +229,7 @@ impl Trajectory {
             return standing(self.start_time);
         }
         let Some(progress) = self.progress_at(time) else { return standing(SimTime::MAX) };
+        // Rounded up, so that the piece is over by then.
         let until = self.start_time + SimTime::from_seconds_up(self.ends[progress.index].0);
         match self.pieces[progress.index] {
             Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
