@@ -46,6 +46,7 @@ pub fn length(start: &[u8]) -> Option<usize> {
 pub fn read(chunk: &[u8]) -> Result<Grid<bool>, Fault> {
     let damaged = || Fault::Image { message: "the map in the picture is damaged".to_owned() };
     let (named, sum) = chunk.get(4..).and_then(|rest| rest.split_last_chunk()).ok_or_else(damaged)?;
+    // Before any number in it is believed.
     if crc32fast::hash(named).to_be_bytes() != *sum {
         return Err(damaged());
     }

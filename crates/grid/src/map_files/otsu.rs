@@ -47,6 +47,7 @@ impl Histogram {
             }
             let apart = dark_sum / dark - (sum - dark_sum) / light;
             let variance = dark * light * apart * apart;
+            // Between two grey values that occur, the same number comes out to the last bit.
             if variance > best {
                 (best, first, last) = (variance, value, value);
             } else if variance == best && last + 1 == value {

@@ -76,6 +76,7 @@ impl PngHeader {
             2 => 3,
             _ => 4,
         };
+        // A greater depth is forged, and must not allow for more bytes.
         let bits = self.cols as u64 * channels * u64::from(self.depth.min(16));
         // An interlaced row may come in two pieces, each with a byte for its filter.
         let pixels = self.rows as u64 * (bits.div_ceil(8) + 2);

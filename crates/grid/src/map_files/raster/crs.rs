@@ -100,6 +100,7 @@ impl Coordinates {
         }
         let vertical = ["VERT_CS[", "VERTCS[", "VERTCRS["].iter().find_map(|start| upper.find(start));
         let (horizontal, heights) = upper.split_at(vertical.unwrap_or(upper.len()));
+        // Units further in, such as the degrees of its datum, come before that of its lengths.
         let last_unit = |part: &str| {
             let (_, unit) = part.rsplit_once("LENGTHUNIT[").or_else(|| part.rsplit_once("UNIT["))?;
             unit.split([',', ']']).nth(1)?.trim().parse::<f64>().ok()

@@ -371,6 +371,7 @@ impl RasterCorner {
         if (x - y.abs()).abs() > 1e-6 * x.abs() {
             return Err(RasterFault::NotSquare { x, y });
         }
+        // Where pixels are points, the tie point is the middle of the first.
         let half = if crs.and_then(|crs| crs.short(RASTER_TYPE)) == Some(PIXEL_IS_POINT) { 0.5 * x } else { 0.0 };
         let south_first = y < 0.0;
         Ok(Self { west_m: west - half, edge_m: edge + half.copysign(y), cell_m: x, south_first })

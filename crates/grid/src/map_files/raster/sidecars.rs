@@ -29,6 +29,7 @@ pub(super) fn refuse_changes(path: &Path) -> Result<(), RasterFault> {
     let more = beside(".aux.xml");
     let Ok(text) = input_file::read_text(&more, MAX_BYTES) else { return Ok(()) };
     let value = |tag: &str| Some(text.split_once(tag)?.1.split('<').next()?.trim());
+    // What cannot be read counts as a factor too.
     let is_factor = |tag: &str, none: f64| value(tag).is_some_and(|value| value.parse() != Ok(none));
     if is_factor("<Scale>", 1.0) || is_factor("<Offset>", 0.0) {
         return Err(RasterFault::Sidecar { path: more, says: "gives its values a scale" });

@@ -126,6 +126,7 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     head.make_grey(bytes);
     let mut mask = None;
     let mut offset = head.next;
+    // Bounded, as a file may close its list of images to a circle.
     for place in 1..MAX_IMAGES {
         let Some(head) = TiffHead::at(bytes, offset) else { break };
         let is_mask = head.number(bytes, KIND)?.is_some_and(|kind| kind & IS_MASK != 0 && kind & IS_OVERVIEW == 0);
