@@ -43,6 +43,7 @@ impl Forecast {
             let Some(here) = node(0.0, 0.0) else { continue };
             // One-sided beside cells that do not burn.
             let rise = |before: Option<f64>, after: Option<f64>| {
+                // A cell with neither side has no rise, and must not divide 0 by 0.
                 let sides = f64::from(u8::from(before.is_some()) + u8::from(after.is_some())).max(1.0);
                 (after.unwrap_or(here) - before.unwrap_or(here)) / sides
             };
@@ -251,6 +252,7 @@ impl Line {
                 cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m, front }));
             }
         }
+        // By cell first, so that of the builders that come to a cell the earliest stays.
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));
         // Whoever comes first clears the cell, and later builders find it done.
         cells.dedup_by_key(|line| line.cell);

@@ -144,6 +144,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
     let mut squares = vec![0; cols * factor + 1];
     let mut envelope = Envelope::default();
     for row in 0..rows {
+        // Cells share their edges, so only the lowest row adds the vertices of its lower edge.
         let rows_of_cell = if row + 1 == rows { factor + 1 } else { factor };
         for step in 0..rows_of_cell {
             let vertex_row = row * factor + step;

@@ -135,6 +135,7 @@ impl Counter {
                     calls |= matches!(operator, Operator::Call { .. } | Operator::CallIndirect { .. });
                 }
                 function.finish(operators.original_position())?;
+                // A frame without calls is always the last, so it adds nothing to the depth of a recursion.
                 if calls {
                     counter.functions[defined].slots = function.len_locals() + highest + FRAME_SLOTS;
                 }
@@ -430,6 +431,7 @@ impl Reencode for Counter {
             for (index, operator) in operators.iter().enumerate().take(to).skip(from) {
                 match operator {
                     Operator::Block { .. } | Operator::Loop { .. } | Operator::If { .. } => open += 1,
+                    // The last end closes the function itself, around which no block is open.
                     Operator::End => open = open.saturating_sub(1),
                     _ => {}
                 }

@@ -71,6 +71,7 @@ impl Simulation {
         fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
         let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
+        // Scenarios that differ in conduct alone have the same agents in the same order.
         let agents = [&fork, &other].map(|run| run.world.resource::<AgentOrder>().0.clone());
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
             let model = other.world.entity(model);

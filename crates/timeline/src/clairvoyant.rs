@@ -338,12 +338,14 @@ fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
                 }
             }
             next_changed.sort_unstable();
+            // Several may lower the cost of the same leader.
             next_changed.dedup();
             changed = next_changed;
         }
         // The first of equal ones, so that the answer does not depend on the machine.
         let cheapest = (0..costs.len()).min_by_key(|&leader| costs[leader]).unwrap_or(chain);
         let mut freed = cheapest;
+        // At a cost of 0 the chain would only take the place of another.
         while let Some((node, leader)) = passed_on[freed].filter(|_| costs[cheapest] < 0) {
             leader_of[node] = leader;
             freed = leader;

@@ -107,6 +107,7 @@ impl PnmHeader {
             match name {
                 "ENDHDR" => break,
                 "TUPLTYPE" if tuple_type.is_empty() => value.trim().clone_into(&mut tuple_type),
+                // The format has several such lines joined with a blank.
                 "TUPLTYPE" => tuple_type = format!("{tuple_type} {}", value.trim()),
                 _ if name.is_empty() || name.starts_with('#') => {}
                 _ => {

@@ -120,6 +120,7 @@ impl<'a> StaticMap<'a> {
                 let reach_m = 0.5 * REACH_M + OBSTACLE_M;
                 is_inside
                     && !self.instance.obstacles.iter().any(|&centre| {
+                        // Most obstacles are too far from the middle for the search along the whole motion.
                         centre.distance_squared(place) < reach_m * reach_m
                             && comes_near(motion.reach_m(), self.margin_m, |share| {
                                 disc_gap(&motion.body_at(share), centre)

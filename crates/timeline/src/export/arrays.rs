@@ -117,6 +117,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
         .flat_map(|(row, &agent)| index.legs_of(agent).iter().map(move |&leg| (row, leg)))
         .collect();
     let ways = || legs.iter().map(|(_, leg)| leg.trajectory(timeline));
+    // The last leg has no end of its own.
     let until = |leg: FollowedLeg| leg.until.min(index.end_time()).as_seconds();
     let goal = |leg: FollowedLeg| match &timeline.events[leg.fact()].fact {
         Fact::Agent(_, AgentFact::Planned { goal, .. }) => pair(*goal),

@@ -213,6 +213,7 @@ impl<'a> FactWriter<'a> {
                 let reason = number_of(&FAILURES, reason);
                 let fields = [agent, self.cell(*goal), reason, roadmap_expansions, local_expansions];
                 self.record(kind::PLAN_FAILED, &fields);
+                // Times are stored as what they add to now, because small numbers take fewer bytes.
                 append(&mut self.records, &(*until - self.now).as_nanos());
             }
             AgentFact::Dropped { goal, trajectory } => {

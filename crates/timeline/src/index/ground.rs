@@ -127,6 +127,7 @@ impl GroundIndex {
         let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum::<f64>();
         // A cell counts as an average one.
         let lost_cells = line_cells.iter().filter(|cell| !cell.holds).count() as f64;
+        // A line without cells has lost nothing, and 0 must not be divided by 0.
         let lost_m = built_m * lost_cells / (line_cells.len() as f64).max(1.0);
         let line = setting.line.as_ref().map(|_| LineOutcome { built_m, lost_m });
         // The log is in order of time, and the sort is stable.

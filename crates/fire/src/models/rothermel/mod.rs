@@ -76,6 +76,7 @@ impl Rothermel {
     fn next(&mut self) -> Option<(SimTime, Cell)> {
         let front = self.front.next().map(|(time, cell)| (SimTime::from_nanos(time), cell));
         let spark = self.sparks.as_ref().and_then(Sparks::next);
+        // Of equal times `min_by_key` keeps the front's, so that a tie is the same in every run.
         front.into_iter().chain(spark).min_by_key(|&(time, _)| time)
     }
 

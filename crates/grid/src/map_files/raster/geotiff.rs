@@ -387,6 +387,7 @@ pub(super) fn to_bytes(bands: &[(Option<&str>, &Raster)]) -> TiffResult<Vec<u8>>
     let mut encoder = TiffEncoder::new(&mut file)?.with_compression(packed);
     let mut image = encoder.new_image::<Gray32Float>(raster.cols as u32, raster.rows as u32)?;
     image.rows_per_strip(STRIP_CELLS.div_ceil(raster.cols).min(raster.rows) as u32)?;
+    // TIFF wants every sample beyond the one of a grey image declared.
     if bands.len() > 1 {
         image.extra_samples(&vec![ExtraSamples::Unspecified; bands.len() - 1])?;
     }

@@ -82,6 +82,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
     let is_sound = cols > 0 && rows > 0 && width > 0 && height > 0 && offsets.len() == counts.len();
     let (Some(row_bytes), true) = (row_bytes, is_sound) else { return Ok(None) };
 
+    // Plain chunks are appended, so that all other offsets in the file stay right.
     let mut plain = bytes.to_vec();
     let across = cols.div_ceil(width);
     let down = rows.div_ceil(height);

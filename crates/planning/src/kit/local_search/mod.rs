@@ -94,6 +94,7 @@ impl LocalSearch {
             Goal::Pose(end) => END_SHARE * self.checker.clearance(end),
             Goal::Disc(_) => f64::INFINITY,
         };
+        // The last stage asks for the least clearance, so how its search ends tells whether there is a path at all.
         let mut ending = SearchFailure::Exhausted;
         for stage in SCHEDULE {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, max_m);
