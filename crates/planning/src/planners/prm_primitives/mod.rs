@@ -85,6 +85,7 @@ impl PrmPrimitives {
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
         let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
+        // A pose still has to be driven to, however near it is.
         if is_near && matches!(goal, Goal::Disc(_)) {
             return Ok(Found { path: Path::standing(start), by: FoundBy::Straight });
         }
