@@ -67,7 +67,6 @@ impl FuelBed {
         SurfaceFire {
             r0_mps: self.r0_mps(),
             rate_mps: self.r0 * (1.0 + factor) * FOOT_PER_MINUTE,
-            // With neither wind nor slope it is as fast in all directions, but a heading there must be.
             heading: unit(if along == DVec3::ZERO { lift(DVec2::Y, gradient) } else { along }),
             eccentricity: (length_to_width * length_to_width - 1.0).sqrt() / length_to_width,
             length_to_width,
