@@ -226,7 +226,7 @@ impl Agent {
     pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
         self.revision += 1;
         self.goal = None;
-        // An agent that looks again in vain has nothing new to tell.
+        // An agent that looks again without success has nothing new to tell.
         if self.activity != Activity::Resting(reason) {
             self.activity = Activity::Resting(reason);
             recorder.record_agent(now, self.id, AgentFact::Rested { reason });

@@ -37,7 +37,6 @@ impl DifferenceWriter {
         let length = u64::BITS - folded.leading_zeros();
         self.lengths.push(length as u8);
         let below = length.saturating_sub(1);
-        // At most 7 bits are left over from before, so that 63 more fit into 128.
         self.pending |= u128::from(folded & !(u64::MAX << below)) << self.pending_bits;
         self.pending_bits += below;
         while self.pending_bits >= 8 {
