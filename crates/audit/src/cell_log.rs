@@ -78,6 +78,7 @@ pub struct CellLog<'a> {
 impl<'a> CellLog<'a> {
     pub fn new(setting: &'a Setting, changes: &[Change]) -> Self {
         let mut changes = changes.to_vec();
+        // A stable sort, so that the changes of a cell keep their order.
         changes.sort_by_key(|change| setting.frame.index(change.cell));
         Self { setting, changes }
     }
@@ -104,6 +105,7 @@ impl<'a> CellLog<'a> {
         for change in self.of_cell(cell).iter().take_while(|change| change.time <= time) {
             match change.what {
                 ChangeKind::Ignited(_) => is_left = false,
+                // Put out at that very instant, it may not have been able to burn when the fire came.
                 ChangeKind::Extinguished { .. } => is_left = self.setting.rules.reignition && change.time < time,
                 ChangeKind::Wetted { until, .. } if until >= time => return false,
                 ChangeKind::Cleared { holds: true } => return false,

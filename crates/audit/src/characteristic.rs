@@ -55,6 +55,7 @@ pub fn straight_arrival(
         let near = frame.offset(cell, cols, rows)?;
         Some(history.first_front(frame.index(near)).filter(|&time| time < arrived.as_nanos()))
     };
+    // If the corners are on the field, so is all of the rim.
     rim.iter().step_by(2 * HALF_SIDE as usize).try_for_each(|&corner| time_at(corner).map(|_| ()))?;
     let mut first = NEVER;
     for near in cells_within(HALF_SIDE, frame, cell) {

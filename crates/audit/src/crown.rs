@@ -69,6 +69,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     }
     let rate = match rules.method {
         CrownMethod::Rothermel => surface.rate_mps,
+        // Crowns that are too thin for any wind have no crowning wind to be found.
         CrownMethod::ScottReinhardt if flow(crown_at(MAX_MPS)) < 3.0 => surface.rate_mps,
         CrownMethod::ScottReinhardt => {
             let (mut calm, mut windy) = (0.0, MAX_MPS);

@@ -107,6 +107,7 @@ impl<'a> DrivenLegs<'a> {
         same_at(planned.start_time().min(dropped))
             && same_at(dropped)
             && ends.all(|time| time > dropped || same_at(time))
+            // From there on it brakes: it is later than planned, but nowhere beside the way.
             && self.is_same(pose_after(planned, driven.distance_m(SimTime::MAX)), driven.end(), tolerance)
     }
 

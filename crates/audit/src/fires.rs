@@ -171,6 +171,7 @@ impl<'a> FollowedFires<'a> {
             return violation(from, ViolationKind::Endless);
         }
         let mut around = self.cells_around(from, reach.into());
+        // At the very edge of the radius rounding decides, so that neither answer is a violation.
         let is_near = |cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE;
         let spared = around.find(|&cell| is_near(cell) && self.is_spared(cell, due));
         spared.map_or(Ok(()), |cell| violation(cell, ViolationKind::SparedBySpread { cell, from }))
@@ -190,6 +191,7 @@ impl<'a> FollowedFires<'a> {
     /// Returns true if a cell is a bush that could have caught fire at a time and did not.
     fn is_spared(&self, cell: Cell, time: SimTime) -> bool {
         self.setting.bush_index(cell).is_some_and(|index| match self.bushes[index] {
+            // It may still have burned when fire came to it at that instant.
             Bush::Extinguished { at } if at >= time => false,
             bush => self.can_burn(bush),
         })

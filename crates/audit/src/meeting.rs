@@ -78,8 +78,10 @@ impl<'a> MeetingPair<'a> {
     /// When they may have come closer; `None` if nobody moves any more.
     fn next_look(&self, time: SimTime, gap_m: f64) -> Option<SimTime> {
         let stand_until = self.one.driven.stands_until(time).min(self.other.driven.stands_until(time));
+        // Bodies that touch would be looked at in every nanosecond.
         let meet_s = (gap_m / self.closing_mps).max(self.shortest_s);
         let next = (time + SimTime::from_seconds(meet_s)).max(stand_until);
+        // A step that rounds to nothing would look at this instant forever.
         (next < SimTime::MAX).then(|| next.max(time + SimTime::from_nanos(1)))
     }
 }

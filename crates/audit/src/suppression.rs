@@ -158,6 +158,7 @@ impl Actor {
         }
         self.check_dwell(rules.suppression_dwell, cell, time)?;
         let is_same_instant = self.served == Some(time);
+        // A stop is used up at the instant at which it puts something out.
         if setting.water.is_some() && !is_same_instant && !std::mem::take(&mut self.stops_here) {
             return Err(ViolationKind::EmptyTank);
         }
@@ -182,6 +183,7 @@ impl Actor {
     }
 
     fn is_same_stop(&self, dwell: SimTime, time: SimTime) -> bool {
+        // Without a dwell two stops may end at one instant, which then does not say whose it is.
         self.served == Some(time) && dwell > SimTime::ZERO
     }
 

@@ -36,6 +36,7 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
     }
     for change in &changes {
         let ChangeKind::Extinguished { by } = change.what else { continue };
+        // The stop under way is the last that began before; one that begins at this instant is the next.
         let stop = stops.get_mut(&by).and_then(|stops| stops.iter_mut().rfind(|(begins, ..)| *begins < change.time));
         let ignited = ignition(change.cell, change.time);
         let front = ignited

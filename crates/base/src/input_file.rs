@@ -43,6 +43,7 @@ pub fn open(path: &Path) -> io::Result<InputFile> {
     let file = File::open(path)?;
     let found = file.metadata()?;
     match () {
+        // A folder opens like a file on Unix, and only reading it would fail.
         () if found.is_dir() => Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder; expected a file")),
         () if found.is_file() => Ok(InputFile::Regular(file, found.len())),
         () => Ok(InputFile::Stream(file)),
@@ -173,6 +174,7 @@ impl<R: Read> TextReader<R> {
         let mut units: Vec<u16> = units.collect();
         let is_end = (block.len() as u64) < BLOCK;
         if !is_end {
+            // The second half of that character is in the next block.
             self.surrogate = units.pop_if(|unit| matches!(unit, 0xD800..0xDC00));
         }
         let end = self.bytes_read + 2 * (pairs.len() - usize::from(self.surrogate.is_some())) as u64;
@@ -185,6 +187,7 @@ impl<R: Read> TextReader<R> {
             place += 2 * letter.len_utf16() as u64;
             self.kept.extend_from_slice(letter.encode_utf8(&mut [0; 4]).as_bytes());
         }
+        // Blocks have an even number of bytes, so an odd one is the last of the input.
         if rest.is_empty() { Ok(()) } else { Err(damaged(self.bytes_read - 1)) }
     }
 }

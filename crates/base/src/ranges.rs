@@ -156,6 +156,7 @@ macro_rules! ranges {
 /// # Errors
 /// Returns the number and its range, in the words of messages.
 pub fn check_range(name: &str, number: impl Number, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
+    // NaN is in no range, so it is refused too.
     let Some(number) = number.number().filter(|number| !range.contains(number)) else { return Ok(()) };
     Err(OutOfRange::new(name, number, format!("a number from {} to {}", range.start(), range.end())))
 }

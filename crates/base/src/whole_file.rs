@@ -54,6 +54,7 @@ impl WholeFile {
         let writer = self.writer.take().expect("only finishing takes the writer");
         let file = writer.into_inner().map_err(io::IntoInnerError::into_error);
         let Some(places) = &self.places else { return file.and_then(|mut stdout| stdout.flush()) };
+        // Its bytes come first: after a crash the name must not lead to half a file.
         let renamed = file.and_then(|file| file.sync_all()).and_then(|()| fs::rename(&places.aside, &places.path));
         if renamed.is_err() {
             self.discard();
@@ -112,6 +113,7 @@ impl TemporaryPaths {
     /// process, so that two programs never write into one file.
     fn of(path: &Path) -> io::Result<Self> {
         refuse_no_file(path)?;
+        // A new file has no canonical path so far.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let mut name = path.file_name().unwrap_or_default().to_owned();
         name.push(format!(".{}.part", process::id()));

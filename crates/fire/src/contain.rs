@@ -223,6 +223,7 @@ impl FireFlank {
         let FireShape { a, b, .. } = self.shape;
         let outwards = self.rate * point.dot(normal);
         let along = self.rate * point.dot(normal.perp());
+        // A builder that is no faster than the front has nothing left to go along it.
         let free = (production * production - outwards * outwards).max(0.0).sqrt();
         (free - along) / (head * stretch + self.offset * b * b * a * b / (stretch * stretch))
     }

@@ -114,6 +114,7 @@ impl Embers {
             return Vec::new();
         }
         let mean_m = d0 * ops::pow(intensity_kw_m, a) * ops::pow(speed, b);
+        // Settings may make it 0 or infinite, neither of which has a logarithm to go on with.
         if !(mean_m > 0.0 && mean_m.is_finite()) {
             return Vec::new();
         }
@@ -121,6 +122,7 @@ impl Embers {
         let typical = ops::ln(mean_m) - spread / 2.0;
         let mean_count = per_mj * heat_kj_m2 / 1000.0 * (frame.cell_m * frame.cell_m);
         let count = poisson(mean_count, Chance::new(self.seed, "ember count").uniform(cell, episode, 0));
+        // A stream of its own, as the number 0 has been drawn for the count.
         let chance = Chance::new(self.seed, "embers");
         let along = wind / speed;
         let across = DVec2::new(-along.y, along.x);

@@ -43,6 +43,7 @@ impl Forecast {
             let Some(here) = node(0.0, 0.0) else { continue };
             // One-sided beside cells that do not burn.
             let rise = |before: Option<f64>, after: Option<f64>| {
+                // A cell with neither side has no rise, and must not divide 0 by 0.
                 let sides = f64::from(u8::from(before.is_some()) + u8::from(after.is_some())).max(1.0);
                 (after.unwrap_or(here) - before.unwrap_or(here)) / sides
             };
@@ -158,6 +159,7 @@ impl LineTask<'_> {
             time_s += step_s;
             if let [Some(one), Some(other)] = builders {
                 let between = place(other) - place(one);
+                // At the start they are as near to each other, but have the fire still before them.
                 let is_ahead = (other.0 - one.0).dot(one.1.perp()) > 0.0;
                 line.is_closed = is_ahead && between.length() <= 1.5 * (lengths_m[0] + lengths_m[1]);
             }
@@ -250,7 +252,9 @@ impl Line {
                 cells.extend(cell.map(|cell| LineCell { cell, flank, time_s, along_m, front }));
             }
         }
+        // By cell first, so that of the builders that come to a cell the earliest stays.
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));
+        // Whoever comes first clears the cell, and later builders find it done.
         cells.dedup_by_key(|line| line.cell);
         cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.along_m.total_cmp(&b.along_m)));
         cells

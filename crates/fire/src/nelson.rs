@@ -152,6 +152,7 @@ impl Stick {
         } else {
             let vapour = air.humidity * saturation(air.temperature_c)
                 + PSYCHROMETRIC * AIR_PRESSURE * (air.temperature_c - surface_c);
+            // At a humidity of 1 the logarithm below has no value.
             let humidity = (vapour / saturation(surface_c)).clamp(0.001, 0.99);
             let (scale, exponent) = sorption(0.5 * (air.temperature_c + surface_c));
             let equilibrium = scale * ops::pow(-ops::ln(1.0 - humidity), exponent);

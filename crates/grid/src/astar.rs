@@ -189,6 +189,7 @@ impl AStar {
             if is_goal(index) {
                 return LatticePath { path: Some(self.path(start, index)), expansions };
             }
+            // The goal is settled like the others, but nothing is expanded from it.
             expansions += 1;
             let mut mask = moves.values()[index];
             if prunes {

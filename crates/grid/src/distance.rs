@@ -81,6 +81,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
     }
     for row in (0..rows.saturating_sub(1)).rev() {
         for col in 0..cols {
+            // The nearest of the cell below may lie above, where the first pass has found it for this row too.
             let below = nearest[(row + 1, col)].filter(|&below| below > row);
             if let Some(below) =
                 below.filter(|below| nearest[(row, col)].is_none_or(|above| below - row < row.abs_diff(above)))
@@ -110,6 +111,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
 /// One row of a vertical sweep: an occupied cell is at distance 0, any other one step farther than its neighbour.
 fn step_from_neighbour(vertical: &mut Grid<i32>, occupied: &Grid<bool>, row: usize, neighbour: Option<usize>) {
     for col in 0..occupied.cols() {
+        // It never exceeds FAR, whose square is the greatest that an i32 can hold.
         let through = neighbour.map_or(FAR, |neighbour| (vertical[(neighbour, col)] + 1).min(FAR));
         let here = if occupied[(row, col)] { 0 } else { vertical[(row, col)] };
         vertical[(row, col)] = here.min(through);
@@ -142,6 +144,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
     let mut squares = vec![0; cols * factor + 1];
     let mut envelope = Envelope::default();
     for row in 0..rows {
+        // Cells share their edges, so only the lowest row adds the vertices of its lower edge.
         let rows_of_cell = if row + 1 == rows { factor + 1 } else { factor };
         for step in 0..rows_of_cell {
             let vertex_row = row * factor + step;
@@ -168,6 +171,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
 /// none.
 fn edges_above(occupied: &Grid<bool>, factor: i32) -> Grid<i32> {
     let (rows, cols) = (occupied.rows(), occupied.cols());
+    // Twice as far, so that the gap is no less than FAR from the last row of vertices either.
     let mut edges = Grid::filled(rows, cols, 2 * FAR);
     for row in (1..rows).rev() {
         for col in 0..cols {
@@ -192,6 +196,7 @@ fn fill_columns(columns: &[i32], factor: usize, squares: &mut [i32]) {
     for (vertices, &column) in squares.chunks_mut(factor).zip(columns) {
         vertices.fill(column * column);
     }
+    // The last vertex begins no column; only arcs on corners reach it.
     squares[columns.len() * factor] = FAR * FAR;
 }
 
@@ -238,6 +243,7 @@ impl Envelope {
         self.arcs.clear();
         for (index, &height) in heights.iter().enumerate().filter(|(_, height)| **height < FAR) {
             let site = (index * spacing) as i64;
+            // In 64 bits: the square of a site and that of a height exceed an i32 together.
             let square = i64::from(height) * i64::from(height);
             // Two parabolas of one shape cross once, so the new one is the lower from some vertex on. Where that is not
             // beyond the beginning of the last arc, it hides all of that arc, which goes for good.
@@ -250,6 +256,7 @@ impl Envelope {
                 }
                 self.arcs.pop();
             };
+            // An arc that is the lowest beyond the last vertex only would have no vertices.
             if from < end {
                 self.arcs.push(Parabola { site, square, from });
             }

@@ -66,6 +66,7 @@ pub fn maze(rows: usize, cols: usize, corridor: usize, rng: &mut impl Rng) -> Gr
     let mut trail = vec![(0, 0)];
     while let Some(&room) = trail.last() {
         let neighbours = TieOrder::CrossFirst.steps(Connectivity::Four).iter();
+        // Rooms that are joined count as occupied, so that a step never leads to one of them.
         let to_join = neighbours.filter_map(|&step| place::step(&is_joined, room, step, CornerCutting::Allowed));
         match to_join.collect::<Vec<_>>().choose(rng) {
             Some(&next) => {

@@ -43,6 +43,7 @@ pub fn check_free(occupied: &Grid<bool>, place: Place) -> Result<(), BadPlace> {
 
 /// Accepts a goal on a free cell and a start on the map; returns whether the start is free too.
 pub fn check_ends(occupied: &Grid<bool>, start: Place, goal: Place) -> Result<bool, BadPlace> {
+    // The goal comes first: a bad one is an error also where the start is occupied.
     check_free(occupied, goal)?;
     match check_free(occupied, start) {
         Err(BadPlace::Occupied { .. }) => Ok(false),

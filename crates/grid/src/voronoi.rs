@@ -94,7 +94,9 @@ pub fn voronoi(occupied: &Grid<bool>, sites: Sites) -> Voronoi {
 /// Whether two cells are seen at least 60 degrees apart, decided in whole numbers: the cosine is at most a half.
 fn are_apart(a: (i64, i64), b: (i64, i64)) -> bool {
     let dot = a.0 * b.0 + a.1 * b.1;
+    // Squares have up to 33 bits, so their product does not fit into 64.
     let squares = i128::from(a.0 * a.0 + a.1 * a.1) * i128::from(b.0 * b.0 + b.1 * b.1);
+    // Squares have no sign, so angles of 90 degrees and more are decided before.
     dot <= 0 || 4 * i128::from(dot) * i128::from(dot) <= squares
 }
 
@@ -159,6 +161,7 @@ impl Ranked for OpenVertex {
     }
 
     fn cost(&self) -> f64 {
+        // Of equal priorities the largest cost comes out first, so the shorter length must be the larger number.
         -metric(self.lengths.along)
     }
 

@@ -172,8 +172,10 @@ fn leave_rest(mut context: impl AsContextMut<StoreData = StoreData>) {
 
 /// Suspends a module until it is polled again.
 async fn wait(context: &mut impl AsContextMut<StoreData = StoreData>) {
+    // The caller reads what is left while the module is suspended.
     leave_rest(&mut *context);
     let mut is_back = false;
+    // Pending once, and ready when it is polled again, which happens when there is input.
     poll_fn(|_| if std::mem::replace(&mut is_back, true) { Poll::Ready(()) } else { Poll::Pending }).await;
     take_budget(context);
 }
@@ -188,6 +190,7 @@ fn call(
     let host = view.data().host.clone();
     let parts = view.data().parts;
     let HostParts { memory, gas, .. } = parts.expect("there is an instance");
+    // The host charges for bytes that it moves, so what is left goes there and back.
     let left = gas.get(&mut context).unwrap_i64();
     let mut caller = Caller { memory: memory.data_mut(&mut context), left, host: &mut host.lock() };
     let number = function.call(&mut caller, numbers);

@@ -135,6 +135,7 @@ impl Counter {
                     calls |= matches!(operator, Operator::Call { .. } | Operator::CallIndirect { .. });
                 }
                 function.finish(operators.original_position())?;
+                // A frame without calls is always the last, so it adds nothing to the depth of a recursion.
                 if calls {
                     counter.functions[defined].slots = function.len_locals() + highest + FRAME_SLOTS;
                 }
@@ -147,6 +148,7 @@ impl Counter {
                 Payload::ImportSection(imports) => {
                     for import in imports {
                         let import = import?;
+                        // Imported globals have the first numbers, so those that are added come after them.
                         counter.gas += u32::from(matches!(import.ty, TypeRef::Global(_)));
                         let of = match import.ty {
                             TypeRef::Func(of) => Some(counter.types[of as usize].clone()),
@@ -378,6 +380,7 @@ impl Reencode for Counter {
         _after: Option<SectionId>,
         before: Option<SectionId>,
     ) -> Result<(), reencode::Error<String>> {
+        // Sections stand in a fixed order, so a missing one is written before the first that comes after it.
         let is_beyond = |section: SectionId| before.is_none_or(|before| place(before) > place(section));
         if !self.has_globals && is_beyond(SectionId::Global) {
             let mut globals = GlobalSection::new();
@@ -407,6 +410,7 @@ impl Reencode for Counter {
             count += number;
             locals.push((number, self.val_type(of)?));
         }
+        // Behind the function's own locals, whose numbers stay as they are.
         let scratch = Scratch { length: count, double: count + 1, single: count + 2 };
         locals.extend([(1, ValType::I32), (1, ValType::F64), (1, ValType::F32)]);
         let mut body = Function::new(locals);
@@ -427,10 +431,12 @@ impl Reencode for Counter {
             for (index, operator) in operators.iter().enumerate().take(to).skip(from) {
                 match operator {
                     Operator::Block { .. } | Operator::Loop { .. } | Operator::If { .. } => open += 1,
+                    // The last end closes the function itself, around which no block is open.
                     Operator::End => open = open.saturating_sub(1),
                     _ => {}
                 }
                 match operator {
+                    // A return would not give the slots back, so it leaves by the block around the whole function.
                     Operator::Return if is_counted_in => {
                         body.instruction(&Instruction::Br(open));
                     }

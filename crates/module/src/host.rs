@@ -133,6 +133,7 @@ fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Ac
     if fd != 0 {
         return Err(HostError::Number(BAD_DESCRIPTOR));
     }
+    // Before anything is moved, so that the same call can be made again.
     if caller.host.input.is_empty() {
         return Err(HostError::Stop(StopCause::NeedsInput));
     }
@@ -204,6 +205,7 @@ fn clock_time_get(caller: &mut Caller<'_>, [_clock, _precision, at, _]: [u32; 4]
 }
 
 fn random_get(caller: &mut Caller<'_>, [at, length, ..]: [u32; 4]) -> Access<()> {
+    // Before memory is taken for a length that the module made up.
     caller.read(at, length)?;
     let mut bytes = vec![0; length as usize];
     caller.host.random.fill_bytes(&mut bytes);

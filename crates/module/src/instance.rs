@@ -224,11 +224,13 @@ impl ModuleInstance {
         // The sequence that would have taken more than there was did not run.
         let instructions = may.saturating_sub(left.max(0)).unsigned_abs();
         let (kind, message) = match reason {
+            // A trap of the injected counter looks like any other, so what is left is asked first.
             _ if left < 0 => (FailureKind::BudgetSpent, format!("ran more than {budget} instructions")),
             _ if slots < 0 => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
             Reason::Stop(StopCause::NeedsInput) => {
                 let output = &mut self.host.lock().output;
                 if let Some(end) = output.iter().position(|&byte| byte == b'\n') {
+                    // What follows its line is the beginning of the next answer.
                     let rest = output.split_off(end + 1);
                     return Ok(ModuleAnswer { line: std::mem::replace(output, rest), instructions });
                 }

@@ -51,6 +51,7 @@ impl Compiled {
             let act = move |mut caller: wasmi::Caller<'_, Data>, numbers: &[Val], results: &mut [Val]| {
                 let numbers = four(numbers.iter().map(|number| number.i32().unwrap_or_default().cast_unsigned()));
                 let number = call(&mut caller, function, numbers).map_err(|stop| {
+                    // The call is made again with the same numbers once there is input.
                     caller.data_mut().waiting = Some((function, numbers));
                     Error::host(stop)
                 })?;
@@ -108,6 +109,7 @@ impl Running {
     /// Runs until there is no input left, or until its end, with so many instructions.
     pub fn run(&mut self, budget: i64) -> Pause {
         self.parts.gas.set(&mut self.store, Val::I64(budget)).expect("it is a mutable i64");
+        // Over unless it turns out to wait: a trap leaves nothing to go on with.
         let ended = match std::mem::replace(&mut self.state, InterpreterState::Over) {
             InterpreterState::New(start) => start.call_resumable(&mut self.store, &[], &mut []),
             InterpreterState::Waiting(waiting) => {

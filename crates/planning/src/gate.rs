@@ -56,6 +56,7 @@ impl ValidatedPlanner {
         let sampling = Duration::ZERO;
         let connecting = Duration::ZERO;
         let report = BuildReport { sampling, connecting, starting: making + report.elsewhere, ..report };
+        // The judge has the checker that does not count: its queries are not the planner's effort.
         let judge = Judge::new(context.checker.clone());
         let sharpest = context.body.max_curvature();
         Ok(Self { planner, report, judge, sharpest, calls })

@@ -79,6 +79,7 @@ impl Judge {
     /// # Errors
     /// The first thing that is wrong with it.
     pub fn check(&self, start: Pose, goal: Goal, path: &Path) -> Result<(), BadPath> {
+        // Everything below goes through the segments, so their number is bounded first.
         if path.segments.len() > MAX_SEGMENTS {
             return Err(BadPath::TooManySegments { found: path.segments.len() });
         }
@@ -86,6 +87,7 @@ impl Judge {
         if path.start != start {
             return Err(BadPath::OtherStart { found: path.start, truck: start });
         }
+        // A length of NaN would pass the comparison with the limit below.
         check_numbers(path)?;
         let frame = self.checker.field().frame();
         let length_m = path.length_m();
@@ -117,6 +119,7 @@ impl Judge {
             }
             along_m += segment.length_m.abs();
         }
+        // Without a segment nothing has looked at the body where it stands.
         if path.segments.is_empty() {
             return self.check_standing(path.start);
         }

@@ -65,6 +65,7 @@ impl LastResort {
         effort: &mut Effort,
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Path, FoundBy)> {
+        // Curves need no search, so they come before all that counts as effort.
         if let Some(path) = self.single_curve(start, goal) {
             return Some((path, FoundBy::Relaxed));
         }
@@ -115,6 +116,7 @@ impl LastResort {
         effort.local_expansions += search.expansions();
         let found = found.ok()?;
         let path = units.path_from(start, &found.path);
+        // Scaling rounds, so the path is swept once more on the field that it is driven on.
         self.is_free(&path).then_some((path, found.by))
     }
 
@@ -128,6 +130,7 @@ impl LastResort {
         let starts = self.ways_out(start);
         let ends = if let Goal::Pose(end) = goal { self.ways_out(end) } else { vec![None] };
         for (out, back) in starts.iter().flat_map(|out| ends.iter().map(move |back| (*out, *back))) {
+            // Without a way out at either end this is the very query that failed.
             if out.is_none() && back.is_none() {
                 continue;
             }
@@ -161,6 +164,7 @@ impl LastResort {
                 .flat_map(move |length_m| turns.into_iter().map(move |curvature| Segment { curvature, length_m }))
         });
         ways.filter(|segment| {
+            // One pose is looked at in a fraction of the time of a sweep.
             self.checker.pose_is_free(segment.end(pose), TIGHT_M)
                 && self.checker.motion_is_free(pose, *segment, MIN_CLEARANCE_M)
         })
@@ -177,6 +181,7 @@ impl TruckPlanner for LastResort {
 
     fn plan_observed(&mut self, start: Pose, goal: Goal, observer: &mut dyn PlanningObserver) -> Plan {
         let mut plan = self.planner.plan_observed(start, goal, observer);
+        // A blocked start or goal stays blocked, whatever else is searched.
         if let Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) = plan.path
             && let Some((path, by)) = self.find(start, goal, &mut plan.effort, observer)
         {

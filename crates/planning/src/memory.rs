@@ -126,6 +126,7 @@ impl Clone for MemoryShare {
     /// Creates a holder that asks for as many bytes.
     fn clone(&self) -> Self {
         let mut other = self.beside();
+        // A refusal marks the meter as overrun, and the run fails by that.
         other.cover(self.bytes as usize);
         other
     }

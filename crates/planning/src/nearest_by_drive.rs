@@ -27,6 +27,7 @@ pub fn plan_to_nearest(
     }
     let mut order: Vec<(f64, usize)> =
         discs.iter().enumerate().map(|(index, disc)| (min_m(body, start, disc), index)).collect();
+    // A stable sort, so that discs at equal distances keep their order.
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: Option<(usize, Plan)> = None;
     let (mut effort, mut cpu) = (Effort::default(), None);

@@ -88,6 +88,7 @@ impl PlanningObserver for QueryMonitor {
             }
             watch
         });
+        // The same watch goes on, so that no time is lost between two kinds of work.
         self.work = work.map(|work| (work, ended.unwrap_or_else(CpuStopwatch::start)));
     }
 

@@ -44,6 +44,7 @@ impl SearchRecorder {
         }
         let recorded = self.graphs.entry(phase).or_default();
         for ends in lines {
+            // Lines after the limit are not even asked for, so that nobody works them out.
             if recorded.graph.edges.len() == MAX_SEARCH_EDGES {
                 return;
             }

@@ -98,6 +98,7 @@ impl CurvatureSmoother {
     /// Returns a path that takes no longer, from the same pose to the same pose or, if that fails, to the same position
     /// of the body's centre.
     pub fn smooth(&self, path: &Path, ends_in_pose: bool) -> Path {
+        // Two arcs of one curvature have no corner between them, so they must be one segment first.
         let path = path.clone().joined();
         let mut corners = SmoothedPath {
             steering: self.steering,
@@ -111,6 +112,7 @@ impl CurvatureSmoother {
         let mut best = path.clone();
         for (corner, pair) in path.segments.windows(2).enumerate() {
             let [before, behind] = [pair[0], pair[1]];
+            // At a cusp the truck stands anyway, and its wheels turn meanwhile.
             if before.is_reverse() != behind.is_reverse() || self.steering.is_step(before.curvature, behind.curvature) {
                 continue;
             }
@@ -158,6 +160,7 @@ impl SmoothedPath<'_> {
         let damping = DVec3::new(DAMPING, DAMPING, if ends_in_pose { DAMPING } else { 1.0 });
         let mut lengths_m = self.lengths_between();
         for _ in 0..MAX_STEPS {
+            // A segment that has no length left, or one the other way, has taken up all that it can.
             if lengths_m
                 .iter()
                 .zip(self.segments)

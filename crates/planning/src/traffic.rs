@@ -221,6 +221,7 @@ impl SearchSpace for TimedSpace<'_> {
         let pose = motion.end(start);
         let reverse = motion.is_reverse();
         let seconds = [begins_s, begins_s + self.seconds(motion, node.turns_back(reverse))];
+        // From cheap to costly: the closed set, the field, and the motions of all others.
         if search.is_dominated(pose, reverse, from.cost)
             || !self.motion_is_free(start, motion)
             || !self.others.leave_free(start, motion, seconds)
@@ -229,6 +230,7 @@ impl SearchSpace for TimedSpace<'_> {
         }
         let (parent, cost) = (from.node, from.cost);
         let node = Node { pose, parent, motion, reverse: Some(reverse), cost, cost_to_go: 0.0, mark: seconds[1] };
+        // A goal depends on the time here, which `is_goal` is not given.
         if self.beyond_m(pose) <= 0.0 && self.others.let_stand(pose, seconds[1]) {
             return Some(search.add(node));
         }

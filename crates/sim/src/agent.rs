@@ -226,6 +226,7 @@ impl Agent {
     pub fn rest(&mut self, now: SimTime, reason: RestReason, recorder: &mut Recorder) {
         self.revision += 1;
         self.goal = None;
+        // An agent that looks again without success has nothing new to tell.
         if self.activity != Activity::Resting(reason) {
             self.activity = Activity::Resting(reason);
             recorder.record_agent(now, self.id, AgentFact::Rested { reason });
@@ -287,6 +288,7 @@ pub struct SpawnContext<'a> {
 /// Adds an agent with the components of its kind, and schedules its first decision: at time 0, or when it is no longer busy.
 pub fn enlist(world: &mut World, agent: Agent, limits: SpeedLimits, kind: impl Bundle) -> AgentStart {
     let start = AgentStart { id: agent.id, pose: agent.trajectory.start(), body: agent.body, limits: Some(limits) };
+    // The time that its planner took to build is a sample of its own, not part of the first answer's.
     let agent = Agent { answered: agent.cost.total(), ..agent };
     let built = CpuSample { time: SimTime::ZERO, agent: agent.id, cpu: agent.cost.total() };
     world.resource_mut::<CpuLog>().0.push(built);

@@ -37,6 +37,7 @@ fn break_deadlocks(mut fleet: Fleet) {
     }
     waiting.sort_by_key(|&(id, _)| id);
     for (_, wake) in waiting {
+        // A truck that was served before may have sent it aside or woken it.
         let is_valid = fleet.trucks.one(wake.agent).0.revision == wake.revision;
         if is_valid && let Some(way_out) = DeadlockResolution::for_truck(&fleet, wake.agent) {
             way_out.execute(&mut fleet);
@@ -92,6 +93,7 @@ impl DeadlockResolution {
         let (_, mut truck) = fleet.trucks.one_mut(self.first);
         let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
         fleet.set_out(self.first, drive, self.leg);
+        // Who has moved aside may have been in the way of others as well.
         fleet.wake_blocked(self.first);
     }
 }

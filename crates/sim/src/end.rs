@@ -40,6 +40,7 @@ fn end(
     let reason = if queue.take(now, Rank::End).is_some() {
         EndReason::Duration
     } else {
+        // More may be due at this instant, which the next pass carries out.
         let is_over = queue.next_time() > Some(now)
             && fires.field.burning().len() == 0
             && !fires.model.is_under_way()

@@ -29,6 +29,7 @@ impl Plugin for FirePlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             Pass,
+            // In the order of ranks: at one instant fires end before others spread.
             (burn_out, dry, spread, light_scheduled, plan_line, change_cells).chain().in_set(SimSystems::Fire),
         );
     }
@@ -113,6 +114,7 @@ impl Ignitions {
 /// Ends fires that burned for long enough.
 fn burn_out(clock: Res<SimClock>, mut queue: ResMut<SimQueue>, fires: Res<Fires>) {
     while let Some(Due::Fire(FireEvent::BurnOut { cell, episode })) = queue.take(clock.0, Rank::BurnOut) {
+        // The event of a fire that was put out meanwhile is void.
         if fires.field.goes_on(cell, episode) {
             queue.push(clock.0, Due::Cell(CellEvent::BurnOut { cell }));
         }
@@ -174,6 +176,7 @@ fn change_cells(
     let Fires { field, model, pieces } = &mut *fires;
     while let Some(Due::Cell(event)) = queue.take(now, Rank::Change) {
         let change = change_cell(field, now, event);
+        // Line that does not hold leaves the cell as it is, but the crew has built it.
         if change.is_some() || matches!(event, CellEvent::Clear { holds: false, .. }) {
             record(&mut recorder, now, event, field);
         }
@@ -210,6 +213,7 @@ fn take_whole_piece(queue: &mut SimQueue, now: SimTime, event: CellEvent, field:
 /// Changes a cell, if it can be changed so.
 fn change_cell(field: &mut FireField, now: SimTime, event: CellEvent) -> Option<FireChange> {
     match event {
+        // What nobody passed on is a source, and the rules may let sources spread and others not.
         CellEvent::Ignite { cell, cause } => field.ignite(cell, now, cause.parent().is_none()),
         // Of two stops that end together, one may have been faster.
         CellEvent::Extinguish { cell, .. } | CellEvent::BurnOut { cell } if !field.is_burning(cell) => None,

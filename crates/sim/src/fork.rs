@@ -71,6 +71,7 @@ impl Simulation {
         fork.world.resource_mut::<Recorder>().count_on(&other.memory.meter);
         let is_team_new = before.dispatch != after.dispatch || before.sight != after.sight;
         let plans_otherwise = before.planner != after.planner || before.traffic != after.traffic;
+        // Scenarios that differ in conduct alone have the same agents in the same order.
         let agents = [&fork, &other].map(|run| run.world.resource::<AgentOrder>().0.clone());
         for (&entity, &model) in agents[0].iter().zip(&agents[1]) {
             let model = other.world.entity(model);
@@ -159,6 +160,7 @@ fn conduct_of(scenario: &Scenario, agent: AgentId) -> (NamedPolicy<'_>, Option<&
 
 /// Copies what a run consists of. A world that holds a run of as many agents is overwritten.
 fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
+    // First, as this alone can fail and must leave the other world as it was.
     let following = from.resource::<PolicySet>().fork().map_err(NotForked)?;
     let agents = &from.resource::<AgentOrder>().0;
     let existing = to.get_resource::<AgentOrder>().map_or(Vec::new(), |roster| roster.0.clone());
@@ -173,6 +175,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
         copy_component::<Wumpus>(&from, &mut to);
         copy_component::<Truck>(&from, &mut to);
     }
+    // Events name their agents, which are other entities in the copy.
     to.insert_resource(
         from.resource::<SimQueue>()
             .for_agents(|agent| agents.iter().position(|&other| other == agent).map_or(agent, |number| copies[number])),

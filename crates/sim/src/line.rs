@@ -91,6 +91,7 @@ impl Orders {
             LinePolicy::Parallel => return self.along_front(forecast, seen.now, *offset_m),
             LinePolicy::PointProtection => {
                 let mut lines: Vec<Planned> = protect.iter().filter_map(|place| round(forecast, place)).collect();
+                // Where the fire comes first the line has to be there first.
                 lines.sort_by(|one, other| one.latest_s.total_cmp(&other.latest_s));
                 lines
             }
@@ -137,6 +138,7 @@ impl Orders {
             let walk_s = |place: DVec2, crew: &Crew| (begin - place).length() / crew.speed_mps;
             let arrivals: Vec<f64> =
                 crews.iter().zip(&self.crews).map(|(&(free_s, place), crew)| free_s + walk_s(place, crew)).collect();
+            // A crew that builds nothing on any ground does not begin a line.
             let builders = arrivals.iter().zip(&self.crews).filter(|(_, crew)| crew.max_mps() > 0.0);
             let start_s = builders.fold(f64::INFINITY, |first, (&arrival_s, _)| first.min(arrival_s));
             // Crews would come when the line is no longer of use: they stay free for the next one.
@@ -220,6 +222,7 @@ pub fn plan_line(
         }
         let forecast = forecast(&fires, &queue, orders.0.until, orders.0.seed);
         let mut agents: Vec<AgentView> = agents.iter().map(|agent| agent.view(clock.0)).collect();
+        // Queries promise no order, and policies are shown agents by name.
         agents.sort_by_key(|agent| agent.id);
         let nobody = |_| Vec::new();
         let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };

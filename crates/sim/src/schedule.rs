@@ -36,6 +36,7 @@ impl Plugin for SchedulePlugin {
         app.edit_schedule(Pass, |schedule| {
             schedule.set_executor(SingleThreadedExecutor::new());
             schedule.set_build_settings(ScheduleBuildSettings {
+                // Two systems without an order between them could run in either, and a run must be the same each time.
                 ambiguity_detection: LogLevel::Error,
                 ..ScheduleBuildSettings::default()
             });

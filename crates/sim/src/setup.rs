@@ -66,6 +66,7 @@ pub fn fill(
     }
     queue.push(SimTime::from_seconds(scenario.duration_s), Due::End);
     world.insert_resource(queue);
+    // It puts the crews' first order into the queue, so that has to be there.
     line::order(world, scenario, seed, spread.as_ref());
     let needs = WaterNeeds::new(water_rules(scenario).as_ref(), spread.as_ref());
     needs.into_iter().for_each(|needs| world.insert_resource(needs));
@@ -145,6 +146,7 @@ fn policies(scenario: &Scenario, seed: u64, terrain: &Terrain, registry: &Polici
                 let mut stopwatch = CpuStopwatch::start();
                 let made = registry.make(&site).map_err(|reason| RunError::NoPolicy { name: name.clone(), reason })?;
                 following.add_custom(&plays, name, made, stopwatch.elapsed_since_last());
+                // The number after the last agent's stands for the crews.
                 if is_meant(&agents.len()) {
                     following.lead_crews();
                 }
@@ -243,6 +245,7 @@ fn setting(
 fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
     // Shuffled only if an entry asks for random cells, and once, so that entries take from one order.
     let permutation = LazyLock::new(|| -> Arc<[Cell]> {
+        // A field without bushes has nothing but ground that could be lit.
         let mut cells = terrain.lightable(scenario.fire.lights_ground() || terrain.bushes.is_empty());
         cells.shuffle(&mut rng::stream(seed, "ignition"));
         cells.into()

@@ -168,6 +168,7 @@ impl<'a> Traffic<'a> {
     /// Returns the first of the others that a motion comes too near from `from` on.
     fn first_in_conflict(self, motion: MovingBody<'_>, from: SimTime) -> Option<&'a Reservation> {
         let swept = SweptBox::new(motion);
+        // Boxes show cheaply that most pairs are far apart.
         let mut near = self.others().filter(|other| other.swept.is_near(&swept));
         near.find(|other| first_conflict(motion, other.moving(), from, MARGIN_M).is_some())
     }
@@ -236,6 +237,7 @@ impl<'a> Traffic<'a> {
         if let Some(other) = self.standing_on(body, leg).next() {
             return Err(other.id);
         }
+        // When the last of the others has come to rest, waiting changes nothing more.
         let last = self.others().map(|other| other.leg.end_time()).max().unwrap_or_default();
         let longest_s = last.since(leg.start_time()).min(patience).as_seconds();
         // A bounded number of tests, coarser where waits are long.
@@ -269,6 +271,7 @@ impl<'a> Traffic<'a> {
 
     /// Returns the field with the others standing at the ends of their legs, [`MARGIN_M`] larger than they are.
     pub fn with_others_standing(self, checker: &CollisionChecker) -> CollisionChecker {
+        // The checker keeps [`MIN_CLEARANCE_M`] from obstacles by itself.
         let wider = MARGIN_M - MIN_CLEARANCE_M;
         let standing = self.others().map(|other| {
             let OrientedRect { centre, half_length, half_width } = other.body.footprint(other.leg.end());
@@ -292,6 +295,7 @@ const EXTRA_M: [f64; 2] = [0.3, 0.05];
 
 impl PredictedMotions for MotionsOfOthers<'_> {
     fn leave_free(&self, from: Pose, segment: Segment, [begins_s, ends_s]: [f64; 2]) -> bool {
+        // The larger of the two, as each of the others may move or stand.
         let swept = SweptBox::standing(self.body, from).widened(segment.length_m.abs() + EXTRA_M[0]);
         self.traffic.others().filter(|other| other.swept.is_near(&swept)).all(|other| {
             (1..=LOOKS).all(|look| {

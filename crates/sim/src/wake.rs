@@ -32,6 +32,7 @@ impl WakeTriggers {
     /// Returns the triggers of a truck whose policy is asked in this way, and which may reconsider its goal whenever
     /// something ignites.
     pub fn truck(asking: PolicyScope, reconsiders: bool) -> Self {
+        // The loss of a goal comes first, because only the first trigger that fires counts.
         let triggers = match asking {
             PolicyScope::Team { replans } => vec![Trigger::GoalBurnsNoMore, Trigger::ChangeForTeam { replans }],
             PolicyScope::Each => {

@@ -56,6 +56,7 @@ impl WaterNeeds {
         let (mut cells, mut litres) = (Vec::new(), 0.0);
         for cell in std::iter::once(goal).chain(others) {
             let with = litres + self.litres(cell);
+            // One that takes less may still fit after one that does not.
             if self.energy.water_units(with) <= left {
                 litres = with;
                 cells.push(cell);

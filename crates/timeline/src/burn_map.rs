@@ -235,6 +235,7 @@ impl<'a> LocalFires<'a> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
+        // Trees differ from cell to cell, so their fires are computed one by one.
         if rules.crowns.is_some() && landscape.canopy(cell).is_some() {
             return spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time);
         }

@@ -137,6 +137,7 @@ impl<'a> TruckLimits<'a> {
             reach_m: rules.suppression_reach_m.unwrap_or(f64::INFINITY),
             dwell_s: rules.suppression_dwell.as_seconds(),
             end_s: rules.duration.as_seconds(),
+            // What a recording does not say is taken in the trucks' favour.
             extinguish_all: rules.extinguishes_all.unwrap_or(true),
         }
     }
@@ -242,6 +243,7 @@ impl<'a> TruckLimits<'a> {
         let radius_m = self.fire.spread_radius_m * (1.0 + RADIUS_TOLERANCE);
         let rows = (radius_m / frame.cell_m).ceil().min(f64::from(u16::MAX)) as u16;
         let row = |bush: &Cell| bush.row;
+        // Bushes come row by row, so those of the rows in reach are one slice.
         let first = bushes.partition_point(|bush| row(bush) < bushes[from].row.saturating_sub(rows));
         let last = bushes.partition_point(|bush| row(bush) <= bushes[from].row.saturating_add(rows));
         *examined += last - first;
@@ -293,6 +295,7 @@ impl<'a> TruckLimits<'a> {
 }
 
 fn travel_s(metres: f64, speed_mps: f64) -> f64 {
+    // At no speed a way takes forever, which dividing by zero says.
     if metres > 0.0 { metres / speed_mps.max(0.0) } else { 0.0 }
 }
 
@@ -335,12 +338,14 @@ fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
                 }
             }
             next_changed.sort_unstable();
+            // Several may lower the cost of the same leader.
             next_changed.dedup();
             changed = next_changed;
         }
         // The first of equal ones, so that the answer does not depend on the machine.
         let cheapest = (0..costs.len()).min_by_key(|&leader| costs[leader]).unwrap_or(chain);
         let mut freed = cheapest;
+        // At a cost of 0 the chain would only take the place of another.
         while let Some((node, leader)) = passed_on[freed].filter(|_| costs[cheapest] < 0) {
             leader_of[node] = leader;
             freed = leader;

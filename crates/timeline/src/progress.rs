@@ -98,6 +98,7 @@ impl<'a> AgentProgress<'a> {
 
     /// Follows a leg from now on; planning time is charged until it begins.
     fn follow(&mut self, leg: &'a Trajectory, goal: Option<Cell>) {
+        // A leg ends whatever the agent did before.
         *self = Self { leg: Some(leg), planning_until: leg.start_time(), goal, ..Self::standing(self.start) };
     }
 

@@ -218,6 +218,7 @@ impl Setting {
 
     /// Returns the place of a bush in [`Setting::bushes`]; `None` where nothing grows.
     pub fn bush_index(&self, cell: Cell) -> Option<usize> {
+        // Row and column are in the order of cell indices and need no frame.
         self.bushes.binary_search_by_key(&(cell.row, cell.col), |bush| (bush.row, bush.col)).ok()
     }
 

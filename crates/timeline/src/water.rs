@@ -56,6 +56,7 @@ impl WaterEnergy {
 
     /// Returns the portions that some litres are, at least one.
     pub fn water_units(&self, litres: f64) -> u32 {
+        // Litres without end become more portions than any tank holds.
         (litres / self.portion_l).ceil().max(1.0) as u32
     }
 

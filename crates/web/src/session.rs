@@ -191,6 +191,7 @@ impl Session {
 impl LiveRun {
     fn open(game: Game, answers: Vec<Answer>, searches: bool) -> Result<Self, SessionError> {
         let refuse = |error: Box<ScenarioError>| SessionError::of_scenario(&error, &game.scenario);
+        // The policies that stand in for players are those of the scenario that nobody plays.
         let unplayed = game.load_unplayed().map_err(refuse)?.scenario;
         let scenario = game.load().map_err(refuse)?.scenario;
         let options =
@@ -215,6 +216,7 @@ impl LiveRun {
             let Some(answer) = self.scripted.next() else { break };
             let agent = answer.agent();
             if answer.t_ns != self.simulation.now().as_nanos() || !queried.contains(&agent) {
+                // After an answer that does not fit, all that follow belong to another run.
                 self.scripted = Vec::new().into_iter();
                 return Err(SessionError::new(
                     "this game was played with another version: its answers do not fit this run",

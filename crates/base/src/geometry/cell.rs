@@ -72,6 +72,7 @@ impl FieldFrame {
 
     /// The cell that holds a point; `None` outside the field. A shared edge belongs to the cell in the north or east.
     pub fn cell_at(&self, point: DVec2) -> Option<Cell> {
+        // The cast alone would put points just west or south of the field into its first column or row.
         let col = (point.x / self.cell_m).floor();
         let row = (point.y / self.cell_m).floor();
         let inside = col >= 0.0 && row >= 0.0 && col < f64::from(self.cols) && row < f64::from(self.rows);

@@ -14,10 +14,12 @@ pub fn unit_toward(azimuth_deg: f64) -> DVec2 {
     // Turned from the nearest axis by exchange and change of sign, which round nothing.
     let quarters = (positive / 90.0).round();
     let rest = positive - 90.0 * quarters;
+    // The sine and the cosine of 45 degrees differ in their last bit, so a diagonal would not be its own mirror image.
     let (sin, cos) = match rest.abs() == 45.0 {
         true => (FRAC_1_SQRT_2.copysign(rest), FRAC_1_SQRT_2),
         false => ops::sin_cos(rest * (PI / 180.0)),
     };
+    // Just short of a whole turn the nearest axis is north again, the fourth from there.
     match quarters as u8 % 4 {
         0 => DVec2::new(sin, cos),
         1 => DVec2::new(cos, -sin),

@@ -110,6 +110,7 @@ pub fn wrap_angle(angle: f64) -> f64 {
         return angle;
     }
     let turned = angle - TAU * ((angle + PI) / TAU).floor();
+    // Rounding may leave the result just outside of the interval.
     if turned <= -PI {
         turned + TAU
     } else if turned > PI {

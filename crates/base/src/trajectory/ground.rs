@@ -49,6 +49,7 @@ impl GroundSpeed {
                 self.share_at(middle.position())
             });
             let shares: Vec<f64> = shares.collect();
+            // Joined again where the ground stays the same, so that only its changes cut the path.
             for same in shares.chunk_by(f64::eq) {
                 let length_m = segment.length_m * along(same.len() as f64);
                 segments.push(Paced { segment: Segment { length_m, ..segment }, share: same[0] });

@@ -52,6 +52,7 @@ impl Piece {
                 if acceleration_mps2 == 0.0 {
                     distance / speed_mps
                 } else {
+                    // The mean speed is exact under constant acceleration, and nothing is divided by a small one.
                     2.0 * distance / (speed_mps + speed_after(speed_mps, acceleration_mps2, distance))
                 }
             }
@@ -64,6 +65,7 @@ impl Piece {
     fn covered_m(&self, elapsed_s: f64) -> f64 {
         match *self {
             Self::Drive { segment, speed_mps, acceleration_mps2 } => {
+                // A time that is rounded must not lead beyond either end of the piece.
                 (elapsed_s * (speed_mps + 0.5 * acceleration_mps2 * elapsed_s)).clamp(0.0, segment.length_m.abs())
             }
             Self::Turn { .. } | Self::Wait { .. } => 0.0,
@@ -82,6 +84,7 @@ impl Piece {
         match *self {
             Self::Drive { segment, speed_mps, acceleration_mps2 } => {
                 let travelled = self.covered_m(elapsed_s).copysign(segment.length_m);
+                // A brake that ends in a stop may end below zero by rounding.
                 let speed_mps = (speed_mps + acceleration_mps2 * elapsed_s).max(0.0);
                 MotionState { pose: segment.pose_at(start, travelled), speed_mps }
             }
@@ -226,6 +229,7 @@ impl Trajectory {
             return standing(self.start_time);
         }
         let Some(progress) = self.progress_at(time) else { return standing(SimTime::MAX) };
+        // Rounded up, so that the piece is over by then.
         let until = self.start_time + SimTime::from_seconds_up(self.ends[progress.index].0);
         match self.pieces[progress.index] {
             Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
@@ -283,6 +287,7 @@ impl Trajectory {
         let elapsed = time.since(self.start_time).as_seconds();
         let index = self.ends.partition_point(|&(end, _)| end <= elapsed);
         let (began, start) = if index == 0 { (0.0, self.start) } else { self.ends[index - 1] };
+        // The end is rounded up, so that within its last nanosecond all pieces may be over.
         (index < self.pieces.len()).then_some(PieceProgress { index, start, elapsed_s: elapsed - began })
     }
 }

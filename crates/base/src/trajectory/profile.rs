@@ -93,6 +93,7 @@ impl Paced {
 
 /// Returns the pieces of the fastest drive along segments.
 pub(super) fn fastest_pieces(segments: impl Iterator<Item = Paced>, limits: &SpeedLimits) -> Vec<Piece> {
+    // A segment without length would count as one forward, before which a truck in reverse had to stop.
     let segments: Vec<Paced> = segments.filter(|paced| paced.segment.length_m != 0.0).collect();
     let mut pieces = Vec::with_capacity(segments.len());
     // The curvature for which the front wheels stand.
@@ -110,6 +111,7 @@ pub(super) fn fastest_pieces(segments: impl Iterator<Item = Paced>, limits: &Spe
         }
         wheels = stretch[stretch.len() - 1].segment.curvature;
     }
+    // The next drive counts on wheels that stand straight.
     pieces.extend(limits.turning(wheels, 0.0));
     pieces
 }
@@ -140,6 +142,7 @@ fn joint_speeds(stretch: &[Paced], limits: &SpeedLimits) -> Vec<f64> {
         speeds[joint] = before.min(behind).min(reached);
         before = behind;
     }
+    // From the end backwards, as the speed at a joint is limited by what comes after it.
     for (joint, Paced { segment, .. }) in stretch.iter().enumerate().rev() {
         speeds[joint] = speeds[joint].min(speed_after(speeds[joint + 1], braking, segment.length_m.abs()));
     }
@@ -161,6 +164,7 @@ fn drive_segment(
     let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
     let mut peak = fastest_mps;
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
+        // Not both are zero: without limits a change of speed takes no way, and there would be enough.
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
     let gaining = way_to(peak, entry, per_gain);

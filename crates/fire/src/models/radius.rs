@@ -42,6 +42,7 @@ impl Radius {
         for (row, &half_width) in (i32::from(from.row) - reach..).zip(&self.half_widths) {
             let Some(row) = u16::try_from(row).ok().filter(|&row| row < frame.rows) else { continue };
             let cols = from.col.saturating_sub(half_width)..=from.col.saturating_add(half_width).min(frame.cols - 1);
+            // What is wet is left to burn, but not now.
             found.extend(fires.flammable_in_row(row, cols).filter(|&cell| fires.can_burn(cell)));
         }
         found

@@ -420,6 +420,7 @@ impl CrownFire {
     pub fn crowning_wind_mps(&self) -> f64 {
         let bed = self.conditions.model_10;
         let factor = self.critical_rate_mps() / RATE_FACTOR / bed.r0_mps() - 1.0;
+        // Crowns that burn faster than they need to in calm air ask for no wind, and a power of less than 0 is no number.
         bed.wind_of_factor(factor.max(0.0)) / CROWN_WIND_FACTOR
     }
 
@@ -461,6 +462,7 @@ impl CrownFire {
         }
         let FireHead { rate_mps, heat_kj_m2, .. } = self.head(method);
         let fire = SurfaceFire { rate_mps, reaction_intensity_kw_m2: heat_kj_m2 / surface.residence_s, ..surface };
+        // Without wind a crown fire has no direction of its own.
         if kind == FireType::Passive || toward == DVec2::ZERO {
             return fire;
         }

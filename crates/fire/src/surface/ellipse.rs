@@ -33,6 +33,7 @@ impl Ellipse {
 
     /// The ellipse of which the slowness without drift and the drift are known, in seconds per metre.
     pub fn with_drift(slowness: f64, drift: DVec2, gradient: DVec2) -> Self {
+        // A rate of 0 makes it infinite, and the products below would be NaN.
         if !slowness.is_finite() {
             return Self::NEVER;
         }

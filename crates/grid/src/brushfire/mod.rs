@@ -57,6 +57,7 @@ pub fn brushfire_into(occupied: &Grid<bool>, connectivity: Connectivity, values:
     }
     let far_rows = BandSweep::<u8>::new(occupied, connectivity).run(rows, values);
     let is_complete = far_rows == 0 || BandSweep::<i16>::new(occupied, connectivity).run(far_rows, values) == 0;
+    // Every distance fits into a word, so rows are left only where nothing is occupied.
     if !is_complete {
         values.values_mut().fill(0);
     }
@@ -132,6 +133,7 @@ impl<'a, T: StepCount> BandSweep<'a, T> {
         for (row, at) in band.zip(1..).skip(left) {
             self.band[at].store_values(values.row_mut(row));
         }
+        // The first row of this band lies below the next one, which is above it.
         mem::swap(&mut self.below, &mut self.band[1]);
         left
     }

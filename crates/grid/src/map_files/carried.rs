@@ -46,6 +46,7 @@ pub fn length(start: &[u8]) -> Option<usize> {
 pub fn read(chunk: &[u8]) -> Result<Grid<bool>, Fault> {
     let damaged = || Fault::Image { message: "the map in the picture is damaged".to_owned() };
     let (named, sum) = chunk.get(4..).and_then(|rest| rest.split_last_chunk()).ok_or_else(damaged)?;
+    // Before any number in it is believed.
     if crc32fast::hash(named).to_be_bytes() != *sum {
         return Err(damaged());
     }
@@ -54,6 +55,7 @@ pub fn read(chunk: &[u8]) -> Result<Grid<bool>, Fault> {
     let side = |bytes| u32::from_be_bytes(bytes) as usize;
     let rows = side([r3, r2, r1, r0]);
     let cols = side([c3, c2, c1, c0]);
+    // Before anything is unpacked for the sides that the chunk claims.
     check_size(rows, cols)?;
     let expected = (rows * cols).div_ceil(8);
     let bits = decompress_to_vec_with_limit(packed, expected).map_err(|_| damaged())?;

@@ -39,6 +39,7 @@ fn colours(bytes: Vec<u8>, max: u32) -> Result<Grid<[u8; 3]>, Fault> {
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
     let over_white = |[red, green, blue, alpha]: [u8; 4]| {
+        // 127 is half the divisor, so that the quotient is rounded to the nearest.
         let mix =
             |value: u8| ((u32::from(value) * u32::from(alpha) + 255 * (255 - u32::from(alpha)) + 127) / 255) as u8;
         [mix(red), mix(green), mix(blue)]

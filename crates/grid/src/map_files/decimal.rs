@@ -29,6 +29,7 @@ pub(super) fn append_float(value: f64, text: &mut Vec<u8>) {
         text.truncate(start);
         write!(text, "{value:.*}", (MORE_DIGITS as i32 - exponent) as usize).expect(WRITABLE);
     }
+    // Zeros are dropped only after a point: those of 100 are part of the number.
     if text[start..].contains(&b'.') {
         while text.pop_if(|digit| *digit == b'0').is_some() {}
         text.pop_if(|point| *point == b'.');

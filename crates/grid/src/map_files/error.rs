@@ -73,6 +73,7 @@ pub enum Fault {
 /// Accepts the size that a header declares.
 pub(super) fn check_size(rows: usize, cols: usize) -> Result<(), Fault> {
     let side_fits = |side| (1..=MAX_SIDE).contains(&side);
+    // The sides come first, so that their product cannot overflow.
     if side_fits(rows) && side_fits(cols) && rows * cols <= MAX_CELLS {
         Ok(())
     } else {

@@ -24,6 +24,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<Grid<bool>, F
     let header = ArrayHeader::read(&mut source)?;
     let ArrayHeader { rows, cols, .. } = header;
     let (lines, length) = if header.is_by_columns { (cols, rows) } else { (rows, cols) };
+    // Each value takes a byte or more, so a short file gets no more room than its bytes can fill.
     let mut cells = with_room(usize::try_from(bytes).unwrap_or(usize::MAX).min(rows * cols))?;
     let mut line_bytes = Vec::new();
     for line in 0..lines {

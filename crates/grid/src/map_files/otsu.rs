@@ -41,11 +41,13 @@ impl Histogram {
             dark += count as f64;
             dark_sum += value as f64 * count as f64;
             let light = total - dark;
+            // A class without pixels has no mean.
             if dark == 0.0 || light == 0.0 {
                 continue;
             }
             let apart = dark_sum / dark - (sum - dark_sum) / light;
             let variance = dark * light * apart * apart;
+            // Between two grey values that occur, the same number comes out to the last bit.
             if variance > best {
                 (best, first, last) = (variance, value, value);
             } else if variance == best && last + 1 == value {

@@ -106,6 +106,7 @@ impl PictureFormat {
         let colour_type = decoder.color_type();
         let colours = if colour_type.has_color() { "RGB" } else { "grey" };
         let alpha = if colour_type.has_alpha() { " with alpha" } else { "" };
+        // Asked first, as decoding uses the decoder up.
         let orientation = decoder.orientation().map_err(damaged)?;
         let note = layout_of(colour_type, transparency).note(&format!("{}, {colours}{alpha}", self.name()));
         Ok(turned(decode(decoder, transparency, Vec::from_iter(note))?, orientation))

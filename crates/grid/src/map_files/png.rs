@@ -40,6 +40,7 @@ pub(super) fn read_bytes(mut bytes: Vec<u8>, rest: impl Read) -> Result<Vec<u8>,
     let header = PngHeader::parse(&bytes)?;
     check_size(header.rows, header.cols)?;
     let max = header.max_bytes();
+    // One byte more than an image may have shows that it goes on.
     rest.take((max + 1).saturating_sub(bytes.len() as u64)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max {
         let message = format!("it continues after {max} bytes, more than an image of its size needs");
@@ -75,6 +76,7 @@ impl PngHeader {
             2 => 3,
             _ => 4,
         };
+        // A greater depth is forged, and must not allow for more bytes.
         let bits = self.cols as u64 * channels * u64::from(self.depth.min(16));
         // An interlaced row may come in two pieces, each with a byte for its filter.
         let pixels = self.rows as u64 * (bits.div_ceil(8) + 2);

@@ -24,6 +24,7 @@ const MAX_LINE: u64 = 1000;
 pub(super) fn read(mut source: impl BufRead, bytes: u64, transparency: Transparency) -> Result<GreyImage, Fault> {
     let header = PnmHeader::read(&mut source, transparency)?;
     let PnmHeader { rows, cols, layout, .. } = header;
+    // No more room than the bytes of the file can fill, whatever its header claims.
     let possible = usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(PIXELS_PER_BYTE);
     let mut pixels = Pixels::with_room(layout, possible.min(rows * cols))?;
     let mut raster = PnmPixels { source, header, bytes: Vec::new(), samples: Vec::new() };
@@ -106,6 +107,7 @@ impl PnmHeader {
             match name {
                 "ENDHDR" => break,
                 "TUPLTYPE" if tuple_type.is_empty() => value.trim().clone_into(&mut tuple_type),
+                // The format has several such lines joined with a blank.
                 "TUPLTYPE" => tuple_type = format!("{tuple_type} {}", value.trim()),
                 _ if name.is_empty() || name.starts_with('#') => {}
                 _ => {
@@ -199,6 +201,7 @@ impl<R: BufRead> PnmPixels<R> {
                 }
             };
             let sample = u16::try_from(number).unwrap_or(u16::MAX);
+            // In a bitmap 1 is black.
             self.samples.push(if is_bitmap { 1 - sample } else { sample });
         }
         Ok(())

@@ -187,6 +187,7 @@ fn read_whole(format: WholeFormat, source: impl Read, transparency: Transparency
         WholeFormat::Ros => ros::MAX_FILE,
     };
     let mut bytes = Vec::new();
+    // One byte more than may be read shows that the input exceeds the limit.
     source.take(max + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max {
         return Err(Fault::GoesBeyond { max });
@@ -284,6 +285,7 @@ impl MapFormat {
             return Err(Fault::Foreign { found });
         }
         let text = without_mark(start);
+        // Before the foreign kinds, as JSON begins with a brace too.
         if ros::is_flow_start(text) {
             return Ok(Self::Whole(WholeFormat::Ros));
         }

@@ -122,6 +122,7 @@ impl RosMap {
     /// Finds the occupied pixels: all that are not free. `inverted` swaps light and dark.
     pub fn occupied(&self, image: &GreyImage, inverted: bool) -> OccupiedPixels {
         let GreyImage { grey, is_unknown, .. } = image;
+        // There are 256 grey values, and up to millions of pixels that have them.
         let states: Vec<Occupancy> = (0..=u8::MAX).map(|value| self.state(value, inverted)).collect();
         let is_unknown = |cell: usize| is_unknown.as_ref().is_some_and(|pixels| pixels.values()[cell]);
         let cells = grey.values().iter().enumerate();

@@ -165,6 +165,7 @@ impl<R: BufRead> TextLines<R> {
             if self.comments.has(&self.line[start..]) {
                 continue;
             }
+            // After the first row a `#` is an occupied cell.
             if self.comments == Comments::BeforeRows {
                 self.comments = Comments::None;
             }

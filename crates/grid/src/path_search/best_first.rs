@@ -136,6 +136,7 @@ pub fn search_best_first(
             follow(&mut lengths, place_of(occupied, from), place_of(occupied, to));
         }
     }
+    // The goal is settled last, and the search ends without a step from there.
     let expanded = search.settled().filter(|[_, index]| *index != last).map(|[_, index]| index as u32).collect();
     let costs = lengths.values().iter().map(|&length| length_from_start(length)).collect();
     let costs = Grid::from_values(occupied.rows(), occupied.cols(), costs);

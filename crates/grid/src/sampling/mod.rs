@@ -82,6 +82,7 @@ impl PointGraph {
 }
 
 fn draw_point(occupied: &Grid<bool>, rng: &mut impl Rng) -> GridPoint {
+    // The row is drawn before the column: another order would make other trees of the same seeds.
     let row = rng.random_range(0..occupied.rows() as i64 * UNITS);
     GridPoint::from_units(row, rng.random_range(0..occupied.cols() as i64 * UNITS))
 }

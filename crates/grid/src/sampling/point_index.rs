@@ -58,6 +58,7 @@ impl PointIndex {
             }
             ring += 1;
         }
+        // The corners of a ring of squares are farther away than the radius.
         found.retain(|&(square, _)| square <= squared_radius);
         found.sort_unstable();
         found.truncate(max);

@@ -55,6 +55,7 @@ pub fn probabilistic_roadmap(
     let mut rng = rng::stream(settings.seed, "map/prm");
     let drawn: Vec<GridPoint> = (0..settings.samples).map(|_| draw_point(occupied, &mut rng)).collect();
     let free = drawn.into_iter().filter(|point| !occupied[point.cell()]);
+    // The ends come first, so that the start has number 0 and the goal number 1.
     let points: Vec<GridPoint> = [start, goal].map(GridPoint::centre).into_iter().chain(free).collect();
     let edges = join(occupied, &points, settings);
     let (costs, parents) = shortest_ways(&points, &edges);
@@ -96,8 +97,10 @@ fn join(occupied: &Grid<bool>, points: &[GridPoint], settings: &PrmSettings) -> 
         let others = near.into_iter().filter(|&other| other != number).take(max);
         pairs.extend(others.map(|other| [number.min(other), number.max(other)]));
     }
+    // Two points that choose each other are one pair, found twice.
     pairs.sort_unstable();
     pairs.dedup();
+    // Last, as the test of a segment costs the most.
     pairs.retain(|&[a, b]| is_free_segment(occupied, points[a as usize], points[b as usize], CORNERS));
     pairs
 }

@@ -46,6 +46,7 @@ impl TileQueue {
             };
             self.entries -= 1;
             let level = mem::replace(&mut self.due[tile], FAR);
+            // A tile that was put forward since has another entry, which has taken it out already.
             if level < FAR {
                 return Some((tile, level));
             }

@@ -183,6 +183,7 @@ fn cut(occupied: &Grid<bool>, tile_row: usize) -> Vec<TileSet> {
             tile.add_row(row % SIDE, free_bits(cells));
         }
         if let Some(last) = tiles.get_mut(whole.len()) {
+            // What lies beyond the edge of the map is not free.
             let mut padded = [true; SIDE];
             padded[..rest.len()].copy_from_slice(rest);
             last.add_row(row % SIDE, free_bits(&padded));
@@ -196,6 +197,7 @@ fn write_row(sheets: &[TileCodes], row: usize, line: &mut [u32]) {
     for sheet in sheets {
         let found = values(&sheet.rows[row], sheet.first);
         let line = &mut line[sheet.col * SIDE..];
+        // Windows of one tile are joined by or: each has 0 for the cells that another one reached.
         match line.first_chunk_mut::<SIDE>() {
             Some(whole) => whole.iter_mut().zip(&found).for_each(|(value, found)| *value |= found),
             None => line.iter_mut().zip(&found).for_each(|(value, found)| *value |= found),

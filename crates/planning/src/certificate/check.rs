@@ -59,6 +59,7 @@ impl Certificate {
             return Ok(());
         }
         let bushes = GrownBushes::new(checker, self.clearance_m);
+        // A shape on the cut is smaller by 0.65 steps, and `part` takes off `SAME_M` more: some of the radius must be left.
         if bushes.radius_m - self.step_m < SAME_M {
             return Err(BadCertificate::OutOfRange("step_m", "less than the body's inner radius and the clearance"));
         }
@@ -86,6 +87,7 @@ impl Certificate {
                 for &(other, other_m) in &lengths[..index] {
                     let distance_m = one.distance(other);
                     let found_m = (one_m - other_m).abs();
+                    // `part` looks at every bush, so it is asked only where the lengths rise too fast.
                     if found_m > distance_m + ROUNDING_M && !bushes.part(one, other, bushes.radius_m) {
                         let places = [one, other];
                         return Err(BadCertificate::TooSteep { end: name, places, distance_m, found_m });
@@ -93,6 +95,7 @@ impl Certificate {
                 }
             }
         }
+        // An end is the last corner of its own strings only; infinity keeps it out of the other end's.
         corners.extend([(places[0], [0.0, f64::INFINITY]), (places[1], [f64::INFINITY, 0.0])]);
         self.check_cut(&bushes, &corners, checker.body().turning_radius_m)
     }
@@ -119,6 +122,7 @@ impl Certificate {
     ) -> Result<(), BadCertificate> {
         let [start, goal] = [self.start, self.goal].map(|[x, y, heading]| Pose::new(x, y, heading));
         let line = goal.position() - start.position();
+        // The skew in `bound_in` divides by the distance to an end, so it is small only some steps away from both.
         let nearest_m = self.cut.min(1.0 - self.cut) * line.length();
         if nearest_m < 12.0 * 0.5 * self.step_m {
             return Err(BadCertificate::OutOfRange("cut", "six steps or more from both ends"));
@@ -139,6 +143,7 @@ impl Certificate {
                 // Ways as long as all that is claimed need no look.
                 let ways = ways.filter(|way| way.0 < self.bound_m + self.step_m);
                 let open = ways.filter(|&(_, corner)| !bushes.part(corner, at, shrunk_m));
+                // All headings at once, since most positions are proven without halving them.
                 open.fold(self.bound_m + self.step_m, |min_m, way| way.0.min(min_m)) - half_m
             });
             let parts = [(start, taut_m[0]), (goal, taut_m[1])];
@@ -170,6 +175,7 @@ fn bound_in(
         .map(|&(end, taut_m)| {
             // What the heading may differ for a pose elsewhere in the box.
             let skew = half_m / (end.position().distance(at) - half_m);
+            // A path that is scaled has turns that are scaled too, so the curve may turn that much more sharply.
             let radius_m = turning_radius_m - turning_radius_m * skew;
             let curve_m = ReedsShepp { radius_m }.length_m(end, Pose::new(at.x, at.y, heading));
             taut_m.max((curve_m - radius_m * half - 2.02 * radius_m * skew) / (1.0 + skew))
@@ -184,6 +190,7 @@ fn bound_in(
     }
     let halves = [heading - 0.5 * half, heading + 0.5 * half];
     halves.into_iter().fold(needed_m, |found_m, heading| {
+        // One half that fails settles it: the other half cannot prove the whole.
         if found_m < needed_m {
             return found_m;
         }
@@ -207,6 +214,7 @@ impl GrownBushes {
         let cells =
             (0..usize::from(frame.rows)).flat_map(|row| (0..usize::from(frame.cols)).map(move |col| (row, col)));
         let bushes = cells.filter(|&cell| ground[cell]);
+        // Behind and ahead the body may end nearer than at its sides, and the disc with it.
         let ends_m = body.rear_overhang_m.min(body.length_m - body.rear_overhang_m).max(0.0);
         Self {
             centres: bushes.map(|(row, col)| (DVec2::new(col as f64, row as f64) + 0.5) * frame.cell_m).collect(),
@@ -245,10 +253,12 @@ impl GrownBushes {
             if centre.x < low.x || centre.y < low.y || centre.x > high.x || centre.y > high.y {
                 return false;
             }
+            // The shape lies in a square of half side `reach`, whose corners are 1.42 times as far from its centre.
             let far = (centre - one).perp_dot(line).abs();
             if far > 1.5 * reach.x * line.length() && line != DVec2::ZERO {
                 return false;
             }
+            // Taut strings lie along the sides of the full shape, and rounding must not let it block them.
             let shape = self.outline(centre, radius_m - SAME_M);
             let turned = (0..16).any(|index| {
                 let corner = shape[index];

@@ -86,6 +86,7 @@ impl Certificate {
         let [start, goal] = [start, goal].map(|pose| [pose.x, pose.y, pose.heading]);
         let bound_m = curve_m - ROUNDING_M;
         let step_m = STEPS_M[1].max(bound_m / MAX_POSITIONS);
+        // The checker accepts it by the curve alone, so the cut and the step only have to be in range.
         let without = Self { start, goal, clearance_m, bound_m, cut: 0.5, step_m, corners: Vec::new() };
         cut.filter(|cut| cut.bound_m > bound_m).or_else(|| (bound_m > 0.0).then_some(without))
     }
@@ -97,11 +98,14 @@ impl Certificate {
         // Long reaches have longer steps, so that the number of positions stays bounded.
         let steps_m = STEPS_M.map(|step_m| step_m.max(reach_m / MAX_POSITIONS));
         let is_meant = reach_m.is_finite() && reach_m > span_m && clearance_m >= 0.0;
+        // Seven of the coarser steps: the checker demands six of the step that is chosen below.
         let min_gap_m = MIN_GAP_M.max(7.0 * steps_m[0]);
+        // Grown bushes are smaller by 0.65 steps on a cut and must not vanish there.
         if !is_meant || CUTS[0] * span_m < min_gap_m || terrain.radius_m < 1.1 * steps_m[0] {
             return None;
         }
         let corners = terrain.corners(from, to, reach_m);
+        // The checker compares all pairs of corners, so it refuses longer lists.
         if corners.len() > MAX_CORNERS {
             return None;
         }
@@ -189,6 +193,7 @@ impl GrownTerrain {
                         leaves = leaves.min(-inward / rate);
                     }
                 }
+                // A string that only touches a corner is not blocked, or no string could bend anywhere.
                 leaves > enters && (leaves - enters) * along.length() >= 1e-6
             },
         )
@@ -209,7 +214,9 @@ impl GrownTerrain {
         let polygon = self.polygon(self.radius_m);
         let inner = self.polygon(self.radius_m - 2.0 * SHRUNK_M);
         let corners = self.centres.iter().flat_map(|&centre| polygon.iter().map(move |&corner| centre + corner));
+        // A corner too many does no harm, but the checker refuses a list that lacks one.
         let near = corners.filter(|at| from.distance(*at) + at.distance(to) < reach_m + ROUNDING_M);
+        // A corner on the edge of another bush may seem inside it by rounding, so only those well inside are left out.
         near.filter(|&at| !self.is_outside(at, self.radius_m - 2.0 * SHRUNK_M) && !self.holds(&inner, at)).collect()
     }
 
@@ -265,6 +272,7 @@ impl Cut<'_> {
         let mut crossings = Vec::new();
         for number in -count..=count {
             let at = middle + along * (f64::from(number) * self.step_m);
+            // Where even straight lines are too long, no string has to be found.
             let straight_m = self.ends.iter().map(|end| end.pose.position().distance(at) - half_m).sum::<f64>();
             let is_shut = straight_m >= reach_m
                 || self.terrain.is_outside(at, self.terrain.radius_m - half_m - SHRUNK_M)
@@ -283,6 +291,7 @@ impl Cut<'_> {
         let last = end.corners.iter().zip(&end.lengths_m).map(|(&corner, &length_m)| (corner, length_m));
         let last = last.chain([(end.pose.position(), 0.0)]);
         let mut through: Vec<_> = last.map(|(corner, length_m)| (length_m + corner.distance(at), corner)).collect();
+        // The first that is not blocked is the shortest, so most corners are never tested against the bushes.
         through.sort_by(|one, two| one.0.total_cmp(&two.0));
         let seen = through.into_iter().find(|&(_, corner)| !self.terrain.blocks(polygon, corner, at));
         seen.map_or(reach_m, |(length_m, _)| length_m)
@@ -304,6 +313,7 @@ impl Cut<'_> {
             if sum_m >= min_m {
                 continue;
             }
+            // Halving must end somewhere: a range this narrow is believed to have as short a path as its bound.
             if half <= MIN_TURN {
                 min_m = sum_m;
             } else {

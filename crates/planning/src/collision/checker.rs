@@ -139,10 +139,12 @@ impl CollisionChecker {
         self.count_call();
         let rectangle = self.place(pose);
         let border = self.border_gap(&rectangle);
+        // Outside the field the lattice has only the values of its edge, which mean nothing there.
         if border <= 0.0 {
             return border;
         }
         let cover = self.cover_clearance(&rectangle).min(border);
+        // Exact distances look at bushes one by one, and are promised only below a metre.
         if cover >= NEAR_M { cover } else { rectangle.bush_gap(&self.field, EXACT_REACH_M).min(border) }
     }
 
@@ -177,6 +179,7 @@ impl CollisionChecker {
         let prefix = sweep::proven_prefix(motion.length_m, motion.rate, tolerance, |travelled| {
             self.excess(&motion, travelled, min_clearance, f64::INFINITY)
         });
+        // A circle that is free all round is free however often it is driven.
         if prefix == motion.length_m { segment.length_m.abs() } else { prefix }
     }
 
@@ -361,6 +364,7 @@ fn cover(body: &Dimensions) -> (Vec<Disc>, f64) {
 /// A length, but no more than once round the circle, after which the same poses come again.
 fn once_round(length_m: f64, curvature: f64) -> f64 {
     let round = TAU / curvature.abs();
+    // An infinite length stays infinite, so that the sweep refuses it.
     if length_m.is_finite() && length_m > round { round } else { length_m }
 }
 
@@ -396,6 +400,7 @@ impl SweptMotion {
     fn body_at(&self, travelled: f64) -> (DVec2, DVec2) {
         let signed = self.sense * travelled;
         let turn = self.curvature * signed;
+        // A straight has no centre to turn about, and the formula below would divide by zero.
         if turn == 0.0 {
             return (self.start.position() + self.axis * (signed + self.centre_offset), self.axis);
         }

@@ -49,6 +49,7 @@ pub fn first_conflict(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime,
         if room_m < 0.0 || room_m.is_nan() {
             return Some(now);
         }
+        // Both stand from here on, so nothing can come closer any more.
         if now >= end {
             return None;
         }
@@ -69,9 +70,11 @@ fn safe_until(one: MovingBody<'_>, other: MovingBody<'_>, from: SimTime, reach_m
         let (pace, until) = one.pace_at(now);
         let (other_pace, other_until) = other.pace_at(now);
         let closing_mps = pace + other_pace;
+        // A pace that ends at this very instant would hold the search here forever.
         let until = until.min(other_until).max(now + INSTANT);
         let covered_m = closing_mps * until.since(now).as_seconds();
         if closing_mps > 0.0 && covered_m >= left_m {
+            // The cast truncates, so the span ends before the distance is used up.
             let span = SimTime::from_nanos((left_m / closing_mps * NANOS_PER_SECOND) as u64);
             return (now + span).max(from + INSTANT);
         }

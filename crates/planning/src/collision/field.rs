@@ -174,6 +174,7 @@ impl ClearanceField {
         let excess = |travelled: f64, _| {
             let point = from + direction * travelled;
             let bound = self.lower_bound(point);
+            // On ridges between bushes the lattice falls short, and a line along one would be refused for no reason.
             let distance = if bound < needed { self.distance(point) } else { bound };
             (distance >= needed).then_some(distance - needed)
         };

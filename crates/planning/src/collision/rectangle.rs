@@ -39,6 +39,7 @@ impl Rectangle {
         let half = self.half_box();
         let low = self.centre - half;
         let high = DVec2::new(frame.width_m(), frame.height_m()) - self.centre - half;
+        // Every comparison with NaN is false, so callers would take such a position for free.
         if low.is_nan() || high.is_nan() {
             return f64::NEG_INFINITY;
         }

@@ -18,6 +18,7 @@ pub(super) fn holds_everywhere(
     tolerance: f64,
     mut excess: impl FnMut(f64, f64) -> Option<f64>,
 ) -> bool {
+    // Each proof covers some metres, so no number of them covers an endless motion.
     if !length_m.is_finite() {
         return false;
     }

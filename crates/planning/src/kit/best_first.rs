@@ -278,6 +278,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
                     let at_goal = self.drive(space, best, index);
                     if alike > 0 {
                         let step = Step::Motion { index: index + 1, alike: alike - 1 };
+                        // The rest keeps the place in the order that it would have had as a candidate of its own.
                         let rest = Candidate { sequence: best.sequence + 1, step, ..best };
                         // Mostly nothing comes in between, which saves a push and a pop.
                         if self.open.is_next(&rest) {
@@ -310,9 +311,11 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
     pub fn offer_motions(&mut self, index: u32, price: &MotionPrice, weight: f64) {
         let node = &self.nodes[index as usize];
         let mut alike: Option<Candidate<S>> = None;
+        // Straight back lies the parent, which was reached at less cost.
         for (choice, motion) in (0..).zip(self.motions).filter(|&(_, motion)| !node.is_undone_by(motion)) {
             let length_price = motion.length_m.abs() * price.rate(motion);
             let cost = node.cost + length_price + if node.turns_back(motion.is_reverse()) { price.cusp() } else { 0.0 };
+            // Close to the goal a motion is longer than what is left, and no key may fall below the cost.
             let key = cost + weight * (node.cost_to_go - length_price).max(0.0);
             match &mut alike {
                 Some(Candidate {
@@ -338,6 +341,7 @@ impl<M: Copy, S: Copy> PoseSearch<M, S> {
 
     /// Keeps a node unless its bin is known to be reached as cheaply; returns its index if it is a goal.
     pub fn reach<P: SearchSpace<Mark = M, Custom = S>>(&mut self, space: &mut P, node: Node<M>) -> Option<u32> {
+        // A goal ends the search even if its bin was reached before at less cost.
         if space.is_goal(node.pose) {
             return Some(self.add(node));
         }

@@ -85,6 +85,7 @@ impl ClearanceProfile {
         let mut pose = start;
         let mut rest_m = segment.length_m.abs();
         while rest_m > 0.0 {
+            // Away from tight ends the demand is the same everywhere, so one piece reaches to where it falls.
             let piece_m = rest_m.min(self.distance_to_tight(pose).max(PIECE_M));
             let piece = segment.with_length(piece_m);
             let end = piece.end(pose);
@@ -102,6 +103,7 @@ impl ClearanceProfile {
         let mut rest_m = segment.length_m;
         while rest_m != 0.0 {
             let required_m = self.at(pose);
+            // From here on the demand rises no further, so the rest is one sweep instead of many.
             if required_m >= self.min_clearance_m {
                 return checker.motion_is_free(pose, Segment { length_m: rest_m, ..segment }, self.min_clearance_m);
             }

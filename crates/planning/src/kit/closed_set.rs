@@ -48,6 +48,7 @@ impl ClosedSet {
     pub fn clear(&mut self) {
         self.used = 0;
         self.generation = self.generation.wrapping_add(1);
+        // After 2^32 searches the entries of the first would count as those of this one.
         if self.generation == 0 {
             self.slots.fill(Slot::default());
             self.generation = 1;
@@ -84,6 +85,7 @@ impl ClosedSet {
 
     #[inline]
     fn key(&self, pose: Pose, reverse: bool) -> u64 {
+        // A pose west or south of the field has negative numbers, which a cast to u64 alone would clamp to bin 0.
         let axis = |metres: f64| (metres / self.bin_m).floor() as i64 as u64 & ((1 << AXIS_BITS) - 1);
         let heading = ((pose.heading + PI) / TAU * self.headings) as u64 & ((1 << HEADING_BITS) - 1);
         ((axis(pose.x) << AXIS_BITS | axis(pose.y)) << HEADING_BITS | heading) << 1 | u64::from(reverse)

@@ -65,10 +65,12 @@ pub fn free_poses_in(
     rings: u32,
     clearance_m: f64,
 ) -> impl Iterator<Item = Pose> + '_ {
+    // The rings of a disc that is far larger than the field would all lie outside of it.
     let reach = disc.radius_m.min(checker.field().frame().width_m() + checker.field().frame().height_m());
     let ahead = checker.body().centre_offset_m();
     // From the rim inwards: there is a bush in the middle.
     let places = (0..=rings).rev().flat_map(move |ring| {
+        // So many that neighbours on a ring are about as far apart as the rings are.
         let count = (6 * ring).max(1);
         (0..count).map(move |place| {
             let (sin, cos) = ops::sin_cos(f64::from(place) / f64::from(count) * TAU);

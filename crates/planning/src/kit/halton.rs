@@ -6,6 +6,7 @@
 /// The digits of `index` in a base, mirrored at the point: in [0, 1).
 pub fn radical_inverse(base: u32, index: u32) -> f64 {
     let mut rest = index;
+    // In whole numbers only the last division rounds, so the sequence has the same bits everywhere.
     let mut mirrored = 0u64;
     let mut scale = 1u64;
     while rest > 0 {

@@ -295,6 +295,7 @@ impl HolonomicHeuristic {
                         self.costs[slot] = IN_QUESTION;
                         found.push(to);
                     }
+                    // Somebody came here already, or it is too large to be called a pocket.
                     _ => mark = UNREACHED,
                 }
             }
@@ -373,6 +374,7 @@ fn goal_cells(field: &ClearanceField, disc: GoalDisc) -> impl Iterator<Item = Ce
     let frame = field.frame();
     let range = move |middle: f64, count: u16| {
         let index = |metres: f64| (metres / frame.cell_m) as usize;
+        // One cell more to each side: a disc also meets a cell whose edge it only touches.
         index(middle - radius_m).saturating_sub(1)..index(middle + radius_m).saturating_add(2).min(count.into())
     };
     let half = DVec2::splat(0.5 * frame.cell_m);

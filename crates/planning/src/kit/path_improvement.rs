@@ -115,6 +115,7 @@ impl PathImprover {
         while from_m + KNOT_M < way.length_m() {
             let before_m = way.length_m();
             let knots = ((before_m - from_m) / KNOT_M).ceil() as u32;
+            // The farthest first, since that shortcut can save the most.
             let ends = (2..=knots).rev().map(|knot| (from_m + f64::from(knot) * KNOT_M).min(before_m));
             from_m = match ends.into_iter().find(|&to_m| self.cut(way, profile, from_m, to_m)) {
                 // The rest of the path is as long as before.
@@ -165,6 +166,7 @@ impl PathImprover {
         let from = way.pose_at(from_m);
         let to = way.pose_at(to_m);
         for middle in moved(way.pose_at(middle_m), move_m) {
+            // The second curve costs at least its lower bound, so no more than the rest is left for the first.
             let bound_before = bound - self.min_between(middle, to) + BOUND_SLACK_M;
             let Some(before) = self.curves.cheapest_word_below(from, middle, &self.price, bound_before) else {
                 continue;

@@ -334,8 +334,10 @@ impl RelaxedSearch {
             // Goals share what is left of the budget, in the order in which they are listed.
             let budget = self.settings.max_expansions - self.expansions;
             let query = FloodQuery { start, goal, budget, lattices: FLOODS };
+            // Why one goal failed does not matter here: another may still be reached.
             self.floods.find_within(&query, observer, &mut self.expansions).ok()
         });
+        // A later stage always decides how the query ends, so this reason is never reported.
         found.ok_or(SearchFailure::Exhausted)
     }
 }

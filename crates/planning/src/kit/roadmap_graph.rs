@@ -23,6 +23,7 @@ impl RoadmapGraph {
     ///
     /// A milestone's links are in the order of the edges' numbers.
     pub fn from_edges(milestones: usize, edges: impl ExactSizeIterator<Item = [u32; 2]> + Clone) -> Self {
+        // One list for all links, filled by counting, in place of an allocation for every milestone.
         let mut first = vec![0; milestones + 1];
         for milestone in edges.clone().flatten() {
             first[milestone as usize + 1] += 1;

@@ -177,6 +177,7 @@ impl TurnStraightSteering {
                     let aim = StraightAim { sign, offset, turns_forward };
                     if let Some((angle, straight)) = self.tangent(target, aim, disc.radius_m, limit) {
                         let entry = if turns_forward { enters_forward } else { enters_reverse };
+                        // A turn past its entry is in the disc already, and was offered without a straight.
                         if angle.abs() < entry {
                             limit = take(self.priced(turn(angle), straight, after_reverse));
                         }
@@ -206,6 +207,7 @@ impl TurnStraightSteering {
         let StraightAim { sign, offset, turns_forward } = aim;
         let lever = self.radius - offset;
         let along_squared = target.length_squared() - lever * lever;
+        // No tangent of the turning circle leads to a target inside of it.
         if along_squared < 0.0 {
             return None;
         }
@@ -231,6 +233,7 @@ impl TurnStraightSteering {
 
     #[inline]
     fn priced(&self, turn: Segment, straight: Segment, after_reverse: Option<bool>) -> TurnStraight {
+        // A turn that is only rounding may go the other way, and would be charged as a cusp.
         let keep = |piece: Segment| if piece.length_m.abs() < SHORTEST_M { NOTHING } else { piece };
         let mut way = TurnStraight { turn: keep(turn), straight: keep(straight), cost: 0.0 };
         let mut before = after_reverse;

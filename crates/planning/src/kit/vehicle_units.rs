@@ -45,6 +45,7 @@ impl VehicleUnits {
             steering_rate_deg_s: body.steering_rate_deg_s,
         };
         let field = Arc::new(ClearanceField::new(frame, checker.field().occupied()));
+        // Scaled back, it must still be 1 cm after rounding.
         let min_m = MIN_CLEARANCE_M * (scale * (1.0 + ROUNDING)).max(1.0);
         let checker = CollisionChecker::new(field, scaled_body).with_min_clearance(min_m);
         Some(Self { scale, checker, max_curvature: body.max_curvature() })

@@ -284,6 +284,7 @@ fn touches_obstacle(mode: Mode, track: &VehicleTrack, centre: DVec2) -> Option<(
     // The benchmark does not compare starts with obstacles.
     let skipped = usize::from(mode == Mode::Benchmark);
     track.steps.iter().enumerate().skip(skipped).find_map(|(at, step)| {
+        // Twice the radius also covers the benchmark's square corners, which are 1.42 radii away.
         if (step.rear - centre).length() > step.reach_m + 2.0 * OBSTACLE_M {
             return None;
         }

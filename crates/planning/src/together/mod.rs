@@ -119,6 +119,7 @@ impl Route {
         let mut cost = 0.0;
         for &step in &self.steps {
             let mut price = step_price_m(step);
+            // A wait has no direction, and does not hide that the next drive has another one.
             if step.length_m != 0.0 {
                 price *= if step.curvature == 0.0 { 1.0 } else { arc };
                 price *= if step.is_reverse() { reverse } else { 1.0 };

@@ -442,6 +442,7 @@ impl Bins {
 
     /// Says whether a price is the lowest of its bin, and keeps it.
     fn improve(&mut self, bin: u64, price: f64) -> bool {
+        // Half of the slots stay empty, so that every look-up soon comes to one.
         if 2 * self.used >= self.slots.len() {
             let grown = vec![(0, f64::INFINITY); 4 * self.slots.len()];
             for (bin, price) in std::mem::replace(&mut self.slots, grown).into_iter().filter(|slot| slot.0 != 0) {

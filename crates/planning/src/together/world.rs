@@ -80,6 +80,7 @@ impl<'a> StaticMap<'a> {
                 let gaps = instance.obstacles.iter().map(|&centre| disc_gap(&body, centre));
                 ground.margin_m = gaps.map(margin_at).fold(ground.margin_m, f64::min);
                 let DVec2 { x, y } = (instance.size_m - pose.position()).min(pose.position());
+                // An end that is nearer to the border would be refused, and the vehicle could not leave it.
                 ground.border_m = ground.border_m.min(x.min(y));
             }
             let is_tested = is_goal || mode == Mode::Exact;
@@ -109,6 +110,7 @@ impl<'a> StaticMap<'a> {
             Mode::Exact => {
                 let [far, near] = BORDER_LOOKS;
                 let on_arc = if self.border_m < BORDER_M { near } else { far };
+                // A straight whose ends are on the map is on it all along, as the map is convex.
                 let looks = if motion.step.curvature == 0.0 { 1 } else { on_arc };
                 let is_inside = (1..=looks).all(|look| {
                     let share = f64::from(look) / f64::from(looks);
@@ -118,6 +120,7 @@ impl<'a> StaticMap<'a> {
                 let reach_m = 0.5 * REACH_M + OBSTACLE_M;
                 is_inside
                     && !self.instance.obstacles.iter().any(|&centre| {
+                        // Most obstacles are too far from the middle for the search along the whole motion.
                         centre.distance_squared(place) < reach_m * reach_m
                             && comes_near(motion.reach_m(), self.margin_m, |share| {
                                 disc_gap(&motion.body_at(share), centre)
@@ -215,6 +218,7 @@ impl Traffic {
 
     pub fn insert(&mut self, vehicle: usize, route: &Route) {
         while self.horizon() < route.steps.len() {
+            // All vehicles stand after their last step, so the last row holds for the new steps too.
             self.places.extend_from_within(self.places.len() - self.vehicles..);
         }
         let motions = &mut self.motions[vehicle];
@@ -256,6 +260,7 @@ impl Traffic {
             self.for_each_conflict(at, &Motion { from, step }, &mut meet);
             end = step.end(from);
         }
+        // After its last step it stands there and blocks, for as long as any other drives.
         for at in route.steps.len()..=self.horizon() {
             self.for_each_conflict(at, &Motion::standing(end), &mut meet);
         }
@@ -277,6 +282,7 @@ impl Traffic {
 pub fn steps_of(segments: impl Iterator<Item = Segment>) -> impl Iterator<Item = Segment> {
     segments.filter(|segment| segment.length_m.abs() > 1e-6).flat_map(|segment| {
         let length_m = segment.length_m.abs();
+        // Rounding must not add a step of no length to a whole number of steps.
         let full = (length_m / STEP_M - 1e-9).floor() as usize;
         let rest = segment.with_length(length_m - full as f64 * STEP_M);
         std::iter::repeat_n(segment.with_length(STEP_M), full).chain((rest.length_m.abs() > 1e-9).then_some(rest))

@@ -216,6 +216,7 @@ impl WalkLattice {
             let point = point as usize;
             let mask = self.moves.values()[point];
             for (k, &(row_step, col_step)) in MOVES.iter().enumerate() {
+                // For a step off the lattice this is no point at all, but then the mask forbids its use.
                 let next = point.wrapping_add_signed(row_step * self.cols() as isize + col_step);
                 if mask & (1 << k) != 0 && marks[next] != mark {
                     marks[next] = mark;
@@ -228,6 +229,7 @@ impl WalkLattice {
     /// Returns free points within `reach_m` of a cell's centre, inclusive, by index.
     pub fn points_of_reach(&self, cell: Cell, reach_m: f64) -> impl Iterator<Item = usize> + '_ {
         let centre = self.frame.centre(cell);
+        // Points at the very edge of the reach count, whichever way their distance is rounded.
         let slack = reach_m * (1.0 + TOUCH);
         let low = ((centre - slack - self.origin) / self.step_m).ceil().max(DVec2::ZERO);
         let high = ((centre + slack - self.origin) / self.step_m).floor();

@@ -99,6 +99,7 @@ impl Potential<'_> {
         let cols = self.field.repulsion.cols();
         let rows_off = (point / cols).abs_diff(self.goal.0);
         let cols_off = (point % cols).abs_diff(self.goal.1);
+        // A lattice of one point has no attraction to divide by.
         let attraction = match scale.filter(|_| self.greatest > 0.0) {
             Some(scale) => attraction.at(rows_off, cols_off) / self.greatest * scale,
             None => attraction.at(rows_off, cols_off),

@@ -36,6 +36,7 @@ impl Densest {
     /// Creates the rule for a spread radius in metres.
     pub fn new(frame: &FieldFrame, spread_m: f64, keeps_apart: bool) -> Self {
         let spread_m = spread_m.min(MAX_COUNTED_M);
+        // Cells farther away than the field is large are in no field.
         let cells = (spread_m / frame.cell_m).floor().min(f64::from(frame.cols.max(frame.rows))) as i32;
         let is_reached =
             |&(cols, rows): &(i32, i32)| ops::hypot(f64::from(cols), f64::from(rows)) * frame.cell_m <= spread_m;

@@ -133,6 +133,7 @@ impl ActionOverride {
                 let has_set_out = self.applied_at.is_none() || agent.goal == Some(cell);
                 options.contains(&cell) && (is_first_instant || !has_set_out)
             }
+            // Waiting leaves no goal by which it could be seen to be carried out, so it is given once.
             _ => self.applied_at.is_none(),
         };
         self.is_over |= !applies && !is_first_instant;
@@ -337,6 +338,7 @@ impl PolicySet {
                 self.custom_stats.add(name, now, report);
             }
         }
+        // An answer from outside may name agents that were not asked.
         choices.retain(|(id, _)| ids.contains(id));
         if let Some(forced) = forced {
             force(&mut choices, forced);

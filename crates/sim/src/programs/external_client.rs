@@ -47,6 +47,7 @@ pub struct Idle(Mutex<Vec<(Arc<Launch>, ProgramSession)>>);
 impl Idle {
     /// Takes a program that was started in the same way, if one is free.
     pub fn take(&self, launch: &Launch) -> Option<ProgramSession> {
+        // No thread that panics leaves the list half changed.
         let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = idle.iter().position(|(other, _)| **other == *launch)?;
         Some(idle.swap_remove(found).1)

@@ -139,6 +139,7 @@ impl ProgramPool {
         let Some(file) = &table.module else {
             return Ok((launch, table.reuse.then(|| Arc::clone(&self.idle))));
         };
+        // Each run sets its own seed when it starts the module.
         launch.module = Some((self.module(file, table)?, 0));
         Ok((launch, None))
     }
@@ -148,6 +149,7 @@ impl ProgramPool {
         let path = table.works_in.join(file);
         let limits = table.module_limits();
         let key = (path, limits.memory);
+        // Held while compiling: whoever needs the same module waits instead of compiling it as well.
         let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {
             return Ok(module.clone());

@@ -233,12 +233,14 @@ impl Process {
                 }
                 Ok(count) => {
                     self.received.extend_from_slice(&self.scratch[..count]);
+                    // The pipe is empty, and another read would only say so.
                     if count < self.scratch.len() {
                         return;
                     }
                 }
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => {
+                    // Once the program has ended, only descendants hold the pipe open, and they answer nothing.
                     self.has_closed_output |= error.kind() != ErrorKind::WouldBlock || self.fate.is_over();
                     return;
                 }
@@ -329,6 +331,7 @@ impl Process {
         let watch = WallStopwatch::start();
         self.take_reports();
         while !self.fate.is_gone && watch.elapsed() < time {
+            // Nobody reads its output any more, which would be ready all the time.
             self.has_closed_output = true;
             self.wait(time.saturating_sub(watch.elapsed()), false);
             self.take_reports();

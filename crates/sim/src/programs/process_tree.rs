@@ -60,6 +60,7 @@ impl ProcessTree {
             .filter(|pid| *pid != self.leader && *pid != self.this_process && !self.others.contains(pid))
             .filter_map(|pid| Stat::of(pid).filter(|stat| stat.is_alive).map(|stat| (pid, stat.parent)))
             .collect();
+        // A process may be listed before its parent, which takes another round.
         loop {
             let count = strangers.len();
             strangers.retain(|&(pid, parent)| {
@@ -131,6 +132,7 @@ impl Stat {
         let mut fields = str::from_utf8(&line[behind_name..]).ok()?.split_ascii_whitespace();
         let is_alive = !matches!(fields.next()?, "Z" | "X" | "x");
         let parent = fields.next()?.parse().ok()?;
+        // Fields 16 and 17 of proc_pid_stat(5); the name was the second.
         let mut ended = fields.skip(11).map(|field| field.parse::<u64>().ok());
         Some(Self { is_alive, parent, ended_ticks: ended.next()?? + ended.next()?? })
     }

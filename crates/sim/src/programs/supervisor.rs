@@ -194,6 +194,7 @@ impl<'a> SupervisorTask<'a> {
 
 fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
     let control = UnixStream::from(io::stderr().as_fd().try_clone_to_owned()?);
+    // Refuses a stderr that is no socket, as when somebody types the word by hand.
     control.peer_addr()?;
     control.set_nonblocking(true)?;
     let outbox = Arc::new(SendBuffer::new(control.try_clone()?));
@@ -400,6 +401,7 @@ impl ProcessWatch {
             if self.ending.is_some_and(|since| since.elapsed() >= GRACE) {
                 self.kill_group();
             }
+            // What has left the group is killed one by one, and may have started others meanwhile.
             if self.killing.is_some() {
                 for pid in self.family.others() {
                     let _ = kill(Pid::from_raw(pid), Signal::SIGKILL);

@@ -214,6 +214,7 @@ impl Fleet<'_, '_> {
         let is_better = best.is_some() && best != agent.goal;
         if is_better || has_no_options {
             self.drop_goal(entity);
+            // The fire that it leaves is free for others.
             self.wake_resting(entity);
         }
     }
@@ -322,6 +323,7 @@ impl Fleet<'_, '_> {
         // With detours for each blocked drive they were tried when it was blocked.
         let tried = match truck.traffic.plan {
             _ if truck.traffic.detours == Detours::Each => 0,
+            // If the same truck blocks the same goal as before, the way round it has been looked for.
             TrafficPlan::Alone => usize::from(before != Some(first.reason())),
             TrafficPlan::Together => blocked.len(),
         };
@@ -369,6 +371,7 @@ impl Fleet<'_, '_> {
             }
             DecisionOutcome::Waits(blocked) => {
                 let (goal, by) = blocked[0].reason();
+                // Looking again without success is no new fact.
                 if state.before.first().map(Blocked::reason) != Some((goal, by)) {
                     self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
                 }
@@ -404,6 +407,7 @@ pub fn decide(mut fleet: Fleet, fires: Res<Fires>, mut resources: DecisionResour
             continue;
         }
         fleet.deliberate(wake.agent, fires);
+        // A policy is not asked where there is nothing to choose.
         let choices = if fleet.options(wake.agent, &[wake.agent], fires).is_empty() {
             vec![(wake.agent, Action::Wait)]
         } else {

@@ -125,6 +125,7 @@ impl Fleet<'_, '_> {
     /// Lets a truck without a goal move aside for another truck.
     pub fn give_way(&mut self, entity: Entity, to: AgentId, way: Trajectory) {
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
+        // The drives that it kept begin where it no longer stands.
         truck.blocked.clear();
         let fact = AgentFact::GaveWay { to, trajectory: way.clone() };
         self.recorder.record_agent(self.clock.0, agent.id, fact);
@@ -198,6 +199,7 @@ impl FireStop {
 
     /// Iterates by index over the cells in reach, at most the whole field.
     fn cells_in_reach<'a>(&'a self, frame: &'a FieldFrame) -> impl Iterator<Item = Cell> + 'a {
+        // An infinite reach ends at the border of the field.
         let index = |m: f64, cells: u16| (m / frame.cell_m).clamp(0.0, f64::from(cells) - 1.0) as u16;
         let low = self.centre - self.reach_m;
         let high = self.centre + self.reach_m;

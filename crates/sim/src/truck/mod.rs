@@ -83,6 +83,7 @@ impl Truck {
     pub fn plan_like(&mut self, other: &Self) {
         self.planner = other.planner.clone();
         (self.charge, self.is_rescued, self.traffic) = (other.charge, other.is_rescued, other.traffic.clone());
+        // What the planner before failed on this one may reach.
         self.failed_goals.clear();
     }
 

@@ -224,6 +224,7 @@ impl Fleet<'_, '_> {
     fn relocate(&mut self, entity: Entity, place: DVec2, fires: &FireField) -> DecisionOutcome {
         let (mut agent, truck) = self.trucks.one_mut(entity);
         if (truck.body.body_centre(agent.trajectory.start()) - place).length() <= AS_GOOD_M {
+            // It counts as sent there, so that its policy sees it in its place.
             agent.staging_point = Some(place);
             return DecisionOutcome::Stays(None);
         }
@@ -240,6 +241,7 @@ impl Fleet<'_, '_> {
         if truck.closed_until(pose, disc.centre, now).is_some() {
             return DecisionOutcome::Stays(None);
         }
+        // From elsewhere there may be a way.
         truck.closed_posts.retain(|closed| closed.from == pose && closed.until > now);
         let place = disc.centre;
         let delay = truck.deliberation.as_ref().map_or(SimTime::ZERO, |state| state.delay);
@@ -255,6 +257,7 @@ impl Fleet<'_, '_> {
                     Err(_) => (None, spent, now, now + PATIENCE),
                 }
             }
+            // Bushes stay where they are: what fails from here fails here again.
             Err((reason, effort)) => (Some(reason), effort, now + truck.charge(&effort), SimTime::MAX),
         };
         truck.closed_posts.push(UnreachableStaging { from: pose, to: place, until: tried_again });

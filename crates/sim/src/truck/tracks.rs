@@ -49,6 +49,7 @@ impl Tracks {
     pub fn record(&mut self, driven: Option<Path>) {
         let leading_back_m = std::mem::take(&mut self.leading_back_m);
         let Some(driven) = driven else { return };
+        // It may have been cut short before it was back.
         let back_m = leading_back_m.min(driven.length_m());
         self.remove_last(back_m);
         let (_, onward) = driven.split_at(back_m);

@@ -60,6 +60,7 @@ fn write_setting<W: Write>(arrays: &mut ArrayFile<W>, setting: &Setting, end: Si
             }
         }
     }
+    // A cell is what stands on it, so these overwrite the ground below.
     setting.blocked.iter().for_each(|&cell| field[frame.index(cell)] = kind_of_cell::BLOCKED);
     setting.bushes.iter().for_each(|&cell| field[frame.index(cell)] = kind_of_cell::BUSH);
     arrays.add("field", &shape, field)?;
@@ -82,6 +83,7 @@ fn write_samples<W: Write>(arrays: &mut ArrayFile<W>, timeline: &Timeline, sampl
     let mut activities = vec![0_u8; count];
     let mut goals = vec![NO_CELL; count];
     let mut replay = Replay::new(timeline);
+    // Times outside and agents inside, so that the replay goes through the run once.
     for (sample, &time) in times.iter().enumerate() {
         replay.seek(time);
         for (row, &agent) in agents.iter().enumerate() {
@@ -115,6 +117,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
         .flat_map(|(row, &agent)| index.legs_of(agent).iter().map(move |&leg| (row, leg)))
         .collect();
     let ways = || legs.iter().map(|(_, leg)| leg.trajectory(timeline));
+    // The last leg has no end of its own.
     let until = |leg: FollowedLeg| leg.until.min(index.end_time()).as_seconds();
     let goal = |leg: FollowedLeg| match &timeline.events[leg.fact()].fact {
         Fact::Agent(_, AgentFact::Planned { goal, .. }) => pair(*goal),
@@ -130,6 +133,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
     arrays.add("leg_begins_s", &[legs.len()], ways().map(|way| way.start_time().as_seconds()))?;
     arrays.add("leg_starts", &[legs.len(), 3], ways().flat_map(|way| numbers(way.start())))?;
     arrays.add("leg_goals", &[legs.len(), 2], legs.iter().flat_map(|&(_, leg)| goal(leg)))?;
+    // One more than there are legs, so that the last has an end as well.
     arrays.add("leg_first_pieces", &[legs.len() + 1], std::iter::once(0).chain(ends))?;
     let pieces = || ways().flat_map(Trajectory::pieces_with_starts);
     let count = pieces().count();

@@ -24,6 +24,7 @@ impl Sampling {
     /// # Errors
     /// If the step is shorter than [`FINEST_STEP_S`], or the run has no such agent.
     pub fn new(timeline: &Timeline, step_s: f64, names: &[AgentId]) -> Result<Self, ExportError> {
+        // As what is allowed, so that NaN is refused as well.
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
             return Err(ExportError::Step { found: step_s });
         }
@@ -32,6 +33,7 @@ impl Sampling {
             .iter()
             .map(|&name| setting.agent_index(name).ok_or_else(|| no_such_agent(name, setting)))
             .collect::<Result<Vec<_>, _>>()?;
+        // Rows go by agents, in whichever order and however often the names are given.
         agents.sort_unstable();
         agents.dedup();
         if names.is_empty() {
@@ -51,6 +53,7 @@ impl Sampling {
     /// Iterates over multiples of the step, each rounded to the nanosecond, and the end of the run.
     pub fn times(&self) -> impl Iterator<Item = SimTime> + use<> {
         let (step_s, end) = (self.step_s, self.end);
+        // Multiplied and not added up, so that rounding does not grow with the number of samples.
         let multiples = (0_u64..).map(move |k| SimTime::from_seconds(k as f64 * step_s));
         multiples.take_while(move |&time| time < end).chain([end])
     }

@@ -38,10 +38,12 @@ impl<W: Write> ZipWriter<W> {
             entry.extend_from_slice(&number.to_le_bytes());
         }
         let length = size(content.len() as u64)?;
+        // What is stored as it is has the same length compressed.
         for number in [crc32fast::hash(content), length, length] {
             entry.extend_from_slice(&number.to_le_bytes());
         }
         let name_length = u16::try_from(name.len()).map_err(io::Error::other)?;
+        // The zero is the length of an extra field, of which there is none.
         for number in [name_length, 0] {
             entry.extend_from_slice(&number.to_le_bytes());
         }
@@ -62,6 +64,7 @@ impl<W: Write> ZipWriter<W> {
         let offset = size(self.written)?;
         let length = size(self.directory.len() as u64)?;
         let directory = std::mem::take(&mut self.directory);
+        // An archive on one disk: the files on this disk are all files.
         let counts = [0, 0, self.files, self.files].map(u16::to_le_bytes).concat();
         let places = [length, offset].map(u32::to_le_bytes).concat();
         self.put(&[&directory, &END.to_le_bytes(), &counts, &places, &[0; 2]])?;

@@ -38,6 +38,7 @@ pub const MAX_WEATHER: usize = 10_000;
 pub const MAX_NAME_BYTES: usize = 4096;
 
 pub fn check(timeline: &Timeline) -> Result<(), FileError> {
+    // The facts are looked up in the setting, so it is checked before them.
     check_setting(&timeline.setting)?;
     limit("facts", timeline.events.len(), MAX_FACTS)?;
     require(timeline.events.is_sorted_by_key(|event| event.time), || "its facts are not in order of time".into())?;
@@ -82,11 +83,15 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     limit("bytes of a name", setting.scenario.len().max(setting.program_version.len()), MAX_NAME_BYTES)?;
     limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
     limit("agents", setting.agents.len(), MAX_AGENTS)?;
+    // The way from an index to its cell divides by the number of columns.
     require(frame.cols > 0 && frame.rows > 0, || "its field has no cells".into())?;
     require(is_size(frame.cell_m), || format!("its cells measure {} m", frame.cell_m))?;
+    // A cell beyond the last column would have the index of another.
     require(setting.bushes.iter().all(|&bush| contains(&frame, bush)), || "a bush stands outside the field".into())?;
+    // Recordings keep steps between indices, and [`Setting::bush_index`] halves the list.
     let ascend = setting.bushes.is_sorted_by(|a, b| frame.index(*a) < frame.index(*b));
     require(ascend, || "its bushes are not in the order of their indices".into())?;
+    // Strictly, so that no name is there twice and [`Setting::agent_index`] can halve the list.
     require(setting.agents.is_sorted_by(|a, b| a.id < b.id), || "its agents are not in order".into())?;
     setting.agents.iter().try_for_each(check_agent)?;
     require(setting.blocked.iter().all(|&cell| contains(&frame, cell)), || {
@@ -99,6 +104,7 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     setting.water.as_ref().map_or(Ok(()), check_water)?;
     limit("trucks that ground slows", setting.ground_shares.len(), MAX_AGENTS)?;
+    // One for each number that a byte has, and fuel models are numbered by a byte.
     let are_shares = |(_, shares): &(AgentId, Vec<f64>)| {
         shares.len() == 256 && shares.iter().all(|share| *share > 0.0 && *share <= 1.0)
     };
@@ -109,11 +115,13 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
 
 fn check_water(water: &WaterRules) -> Result<(), FileError> {
     limit("places with water", water.places.len(), MAX_AGENTS)?;
+    // [`WaterRules::nearest`] relies on one.
     let are_somewhere = !water.places.is_empty() && water.places.iter().all(|place| place.is_finite());
     require(are_somewhere, || "it has no place with water".into())?;
     let is_tank = water.full_tank > 0 && is_size(water.reach_m);
     require(is_tank, || "its tanks hold nothing, or cannot be filled".into())?;
     let is_pump = |WaterEnergy { portion_l, pump_lps, jet_m, applied }: WaterEnergy| {
+        // How long a stop lasts is computed from these and has to fit the clock.
         let spraying_s = f64::from(water.full_tank) * portion_l / pump_lps;
         [portion_l, pump_lps, jet_m, applied].into_iter().all(is_size) && spraying_s <= LONGEST_SPRAYING_S
     };
@@ -158,6 +166,7 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
     let is_of_field = landscape.frame == frame && landscape.fuel.len() == cells && reliefs == cells;
     require(is_of_field, || "its landscape does not fit its field".into())?;
     require(is_finite, || "its landscape is not finite".into())?;
+    // Looked up once for each of 256 numbers, not for each of a million cells.
     let is_valid: Vec<bool> =
         (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
     let stranger = landscape.fuel.iter().find(|&&number| !is_valid[usize::from(number)]);
@@ -207,6 +216,7 @@ fn check_agent(agent: &AgentStart) -> Result<(), FileError> {
 fn are_limits(limits: SpeedLimits) -> bool {
     let speeds = [limits.forward_mps, limits.reverse_mps];
     let accelerations = [limits.acceleration_mps2, limits.braking_mps2, limits.lateral_mps2];
+    // A Wumpus has no reverse, so its limit there is 0.
     speeds.into_iter().all(|speed| speed.is_finite() && speed >= 0.0)
         && accelerations.into_iter().flatten().all(is_size)
 }
@@ -231,6 +241,7 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         require(setting.agent_index(agent).is_some(), || format!("{agent} is unknown"))?;
     }
     match event.fact {
+        // These are about bushes alone: the ground has a log of its own.
         Fact::Fire(fact) => check_bush(fact.cell(), setting)?,
         _ => event.fact.cell().map_or(Ok(()), |goal| check_cell(goal, setting))?,
     }
@@ -263,6 +274,7 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
             require(sets_out_later, || "a leg starts before it is planned".into())?;
             check_leg(trajectory)
         }
+        // A leg that is cut short began before this fact, so its start is not compared.
         Fact::Agent(_, AgentFact::Dropped { trajectory, .. } | AgentFact::Halted { trajectory }) => {
             check_leg(trajectory)
         }

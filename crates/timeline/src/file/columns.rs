@@ -26,6 +26,7 @@ pub struct DifferenceWriter {
     pub lengths: Vec<u8>,
     /// The bits below the highest one of each number, the lowest first.
     pub bits: Vec<u8>,
+    // Up to 7 bits wait while up to 63 are added, which 64 do not hold.
     pending: u128,
     pending_bits: u32,
 }
@@ -91,6 +92,7 @@ impl<'a> DifferenceReader<'a> {
         let low = self.pending as u64 & !u64::MAX.checked_shl(below).unwrap_or(0);
         self.pending >>= below;
         self.pending_bits -= below;
+        // Zero alone has no highest bit.
         let folded = if length == 0 { 0 } else { low | 1 << below };
         Ok(predicted.wrapping_add(unfold(folded)))
     }
@@ -122,6 +124,7 @@ impl PlanePredictor {
             is_inside.then(|| self.numbers[index - rows * self.cols - cols]).flatten()
         };
         match (neighbour(0, 1), neighbour(1, 0), neighbour(1, 1)) {
+            // Forged numbers may overflow here, and wrapping cannot panic.
             (Some(west), Some(south), Some(between)) => west.wrapping_add(south).wrapping_sub(between),
             (Some(near), ..) | (None, Some(near), _) => near,
             (None, None, Some(near)) => near,
@@ -138,6 +141,7 @@ impl PlanePredictor {
 /// Single-precision numbers as integers in the same order, so that near numbers are near integers.
 fn ordered(number: f32) -> u64 {
     let bits = number.to_bits();
+    // As bits alone, negative numbers ascend with their size.
     u64::from(if bits >> 31 == 1 { !bits } else { bits | 1 << 31 })
 }
 
@@ -159,6 +163,7 @@ pub fn write_surface(cols: usize, numbers: impl ExactSizeIterator<Item = f32>) -
 
 /// Reads a number for each of `cells` cells.
 pub fn read_surface(cols: usize, cells: usize, lengths: &[u8], bits: &[u8]) -> Result<Vec<f32>, FileError> {
+    // Compared before there is memory for as many cells.
     if lengths.len() != cells {
         return Err(TOO_FEW);
     }

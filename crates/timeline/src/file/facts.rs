@@ -147,6 +147,7 @@ impl<'a> FactWriter<'a> {
     pub fn write(&mut self, events: &'a [Event]) {
         let mut rest = events;
         while let Some(event) = rest.first() {
+            // The facts are in order of time, so no delay is negative.
             append(&mut self.delays, &(event.time - self.now).as_nanos());
             self.now = event.time;
             let together = spread_together(rest);
@@ -212,6 +213,7 @@ impl<'a> FactWriter<'a> {
                 let reason = number_of(&FAILURES, reason);
                 let fields = [agent, self.cell(*goal), reason, roadmap_expansions, local_expansions];
                 self.record(kind::PLAN_FAILED, &fields);
+                // Times are stored as what they add to now, because small numbers take fewer bytes.
                 append(&mut self.records, &(*until - self.now).as_nanos());
             }
             AgentFact::Dropped { goal, trajectory } => {
@@ -250,6 +252,7 @@ impl<'a> FactWriter<'a> {
             }
             AgentFact::RelocationFailed { x_m, y_m, reason, effort, until } => {
                 let Effort { roadmap_expansions, local_expansions } = *effort;
+                // Zero stands for no reason, so the words count from one.
                 let reason = reason.map_or(0, |reason| 1 + number_of(&FAILURES, &reason));
                 let fields = [agent, reason, roadmap_expansions, local_expansions];
                 self.record(kind::RELOCATION_FAILED, &fields);
@@ -281,6 +284,7 @@ impl<'a> FactWriter<'a> {
     fn cell_steps(&mut self, cells: impl Iterator<Item = Cell>) {
         let mut last = 0;
         for cell in cells {
+            // Bushes and cells together are at most 2 * 4096 * 4096, which an `i32` holds.
             let number = self.cell(cell) as i32;
             append(&mut self.records, &(number - last));
             last = number;
@@ -292,6 +296,7 @@ impl<'a> FactWriter<'a> {
         let last = self.last_legs[agent].replace(leg);
         let stands = last.map_or(self.setting.agents[agent].pose, Trajectory::end);
         let mut pieces = leg.pieces();
+        // A leg that is cut short repeats the beginning of the one that was planned.
         if let Some(last) = last.filter(|last| begin_alike(last, leg)) {
             let pairs = last.pieces().iter().zip(pieces);
             let shared = pairs.take_while(|(a, b)| pieces_equal(a, b)).count();
@@ -303,6 +308,7 @@ impl<'a> FactWriter<'a> {
             append(&mut self.records, &(pieces.len() as u32));
         } else {
             self.record(origin::ELSEWHERE, &[]);
+            // A leg that is cut short began before the fact, so this delay has a sign.
             let delay_ns = leg.start_time().as_nanos().wrapping_sub(self.now.as_nanos()).cast_signed();
             append(&mut self.records, &delay_ns);
             append(&mut self.records, &(pieces.len() as u32));
@@ -416,6 +422,7 @@ impl<'a> FactReader<'a> {
     fn spread(&mut self, count: usize) -> Result<(), FileError> {
         let cause = Cause::Spread(self.cell()?);
         let together = self.number()?;
+        // No more than the number of facts in all, which has been limited.
         if together as usize > count - self.events.len() {
             return Err(FileError::Damaged("more fires spread in it than it has facts"));
         }
@@ -462,6 +469,7 @@ impl<'a> FactReader<'a> {
             }
             kind::OUT_OF_REACH => {
                 let count = self.number()?;
+                // Counted over all facts, as many lists take as much memory as one long one.
                 self.cells_out_of_reach += count as usize;
                 limit("cells out of reach", self.cells_out_of_reach, MAX_CELLS_OUT_OF_REACH)?;
                 AgentFact::OutOfReach { cells: self.cells(count)? }
@@ -579,6 +587,7 @@ impl<'a> FactReader<'a> {
 
     /// The leg of the fact that is being read, which comes after those that were.
     fn leg(&mut self, agent: usize) -> Result<Trajectory, FileError> {
+        // The fact that is being read takes that place among the events.
         let last = self.last_legs[agent].replace(self.events.len());
         let last = last.and_then(|fact| self.events[fact].fact.trajectory());
         let last_end = last.map(Trajectory::end);
@@ -602,6 +611,7 @@ impl<'a> FactReader<'a> {
             }
             _ => return Err(NO_SUCH_WORD),
         };
+        // Shared pieces count as well: they take memory, but no bytes of the file.
         self.pieces += pieces.len() + count as usize;
         limit("pieces of legs", self.pieces, MAX_PIECES)?;
         for _ in 0..count {

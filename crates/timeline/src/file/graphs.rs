@@ -14,6 +14,7 @@ pub fn append_graph(bytes: &mut Vec<u8>, graph: &SearchGraph) {
         append(bytes, &(to.wrapping_sub(last).cast_signed(), to.wrapping_sub(from).cast_signed()));
         last = to;
     }
+    // A place is told from its first edge, so the edges come before the places.
     let origins = origins(graph.places.len(), &graph.edges);
     for (index, &(x, y)) in graph.places.iter().enumerate() {
         let (origin_x, origin_y) = origin(origins[index], &graph.places[..index]);
@@ -46,6 +47,7 @@ pub fn take_graph(bytes: &mut &[u8], places: u32, edges: u32) -> Result<SearchGr
 /// By place: where the first edge comes from that leads to it from an earlier one.
 fn origins(places: usize, edges: &[(u32, u32)]) -> Vec<Option<u32>> {
     let mut origins = vec![None; places];
+    // A place is read after those before it, so only one of those can be its origin.
     for &(from, to) in edges.iter().filter(|(from, to)| from < to) {
         origins[to as usize].get_or_insert(from);
     }

@@ -109,6 +109,7 @@ impl GroundWriter {
                 plane.learn(index, time.as_nanos());
             }
         }
+        // What follows the last ordinary ignition needs no length: the field ends there.
         if is_ordinary {
             append(&mut self.stretches, &stretch);
         }
@@ -130,6 +131,7 @@ impl GroundWriter {
         append(&mut self.records, &(place - base.place));
         append(&mut self.records, &(event.time - base.time).as_nanos());
         append(&mut self.records, &kind);
+        // A field has fewer cells than half of what 32 bits count, so that no difference overflows.
         append(&mut self.records, &(index(event.cell).cast_signed() - base.index.cast_signed()));
         other.into_iter().for_each(|number| append(&mut self.records, &number));
         if let GroundFact::Wetted { until, .. } = event.fact {

@@ -127,6 +127,7 @@ pub fn encode(timeline: &Timeline) -> Result<Vec<u8>, FileError> {
     let compact = encode_payload(timeline);
     check::limit("bytes", compact.len(), MAX_PAYLOAD_BYTES)?;
     let payload = deflate::compress_to_vec(&compact, DEFLATE_LEVEL);
+    // Deflated bytes may be more than there were.
     check::limit("bytes", payload.len(), MAX_PAYLOAD_BYTES)?;
     let mut bytes = Vec::with_capacity(HEADER_BYTES + payload.len());
     bytes.extend_from_slice(MAGIC);
@@ -234,6 +235,7 @@ fn take<'a, T: Deserialize<'a>>(bytes: &mut &'a [u8]) -> Result<T, FileError> {
 
 /// The payload of a recording, still deflated.
 fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
+    // A file that ends within these bytes is a recording cut short.
     let length = bytes.len().min(MAGIC.len());
     if bytes[..length] != MAGIC[..length] {
         return Err(FileError::NotARecording);
@@ -241,7 +243,9 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     let Some((header, payload)) = bytes.split_at_checked(HEADER_BYTES) else {
         return Err(FileError::Truncated { expected: HEADER_BYTES as u64, found: bytes.len() as u64 });
     };
+    // Before the rest of the header, which other versions may lay out otherwise.
     match u16::from_le_bytes([header[8], header[9]]) {
+        // No version has this number.
         0 => return Err(FileError::NotARecording),
         found if found > FORMAT => return Err(FileError::Newer { found }),
         found if found < FORMAT => return Err(FileError::Older { found }),
@@ -249,6 +253,7 @@ fn checked_payload(bytes: &[u8]) -> Result<&[u8], FileError> {
     }
     let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
     let expected = word(10) as usize;
+    // Asked before the checksum, which would call a file that was cut short damaged.
     if payload.len() < expected {
         let [expected, found] = [expected + HEADER_BYTES, bytes.len()].map(|length| length as u64);
         return Err(FileError::Truncated { expected, found });

@@ -48,6 +48,7 @@ impl NumberWriter {
 
     /// Bits of the numbers that recur, with their references.
     fn references(&self) -> BTreeMap<u64, u32> {
+        // Compared as bits, so that a zero keeps its sign.
         let mut counts = BTreeMap::<u64, u32>::new();
         for number in &self.0 {
             *counts.entry(number.to_bits()).or_default() += 1;

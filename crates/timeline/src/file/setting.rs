@@ -280,6 +280,7 @@ impl SettingRecord {
             program_version: self.program_version,
             frame,
             bushes: cells(frame, &self.bush_steps)?,
+            // These come from parts of the payload behind the facts.
             blocked: Vec::new(),
             spread: None,
             water: None,

@@ -207,6 +207,7 @@ impl LandscapeRecord {
         let mut fuel = Vec::with_capacity(frame.cell_count());
         for &number in &self.fuels {
             let length = take::<u32>(&mut runs)? as usize;
+            // A length beyond the field is refused before there is memory for it.
             if length > frame.cell_count() - fuel.len() {
                 return Err(NO_LANDSCAPE);
             }

@@ -146,6 +146,7 @@ impl AgentHistory {
     /// The step for a time that is not before the last one.
     fn step(&mut self, time: SimTime) -> &mut AgentStep {
         let last = self.steps[self.steps.len() - 1];
+        // What happens at one instant is one step, so that a look-up finds all of it.
         if last.time < time {
             self.steps.push(last.later(time));
         }
@@ -314,6 +315,7 @@ impl<'a> AgentReader<'a> {
         };
         self.rests_by_choice = match fact {
             AgentFact::Rested { reason } => {
+                // For any of these a truck may stand beside a fire in its reach and is not stuck.
                 matches!(
                     reason,
                     RestReason::PolicyWait | RestReason::NoWater | RestReason::TooHot | RestReason::NotReady
@@ -348,6 +350,7 @@ impl<'a> AgentReader<'a> {
                 self.outcome.lattice_plans += u32::from(found_by.is_some_and(FoundBy::is_after_failure));
                 // Before the next one begins, so that a drive that was dropped counts.
                 self.end_drive(now);
+                // Without pieces it stands in reach already: that is a stop and no drive.
                 let drives = self.is_truck() && !trajectory.pieces().is_empty();
                 let is_hopeless = drives && self.is_hopeless(*goal, trajectory.end_time(), bushes);
                 let sets_out = trajectory.sets_out_at();
@@ -397,6 +400,7 @@ impl<'a> AgentReader<'a> {
     /// Records the agent's activity from now on, and its goal.
     pub fn turn_to(&mut self, now: SimTime, activity: Activity, goal: Option<Cell>) {
         let last = &self.history.steps[self.history.steps.len() - 1];
+        // Every agent comes here at every instant, and most change nothing.
         if (last.stats.activity, last.goal) != (activity, goal) {
             let step = self.history.step(now);
             (step.stats.activity, step.goal) = (activity, goal);
@@ -477,6 +481,7 @@ impl<'a> AgentReader<'a> {
     fn left_to_do(&self, around: &Surroundings<'_>) -> (bool, bool) {
         if !self.is_truck() {
             let lightable = around.bushes.lightable(self.timeline.setting.rules.reignition);
+            // A wet bush that is out of reach is in both counts, and is taken off once.
             let wet_in_reach =
                 around.wet_bushes.iter().filter(|&bush| !self.out_of_reach.contains(bush)).count() as u32;
             let dry = lightable - around.wet_bushes.len() as u32;

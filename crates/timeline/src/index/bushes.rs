@@ -132,6 +132,7 @@ impl BushHistory {
         counts.bushes[from] -= 1;
         counts.bushes[to] += 1;
         counts.changes[to] += 1;
+        // Of the counts at one instant, a look-up may only find the last.
         match self.counts.last_mut() {
             Some(last) if last.0 == change.time => last.1 = counts,
             _ => self.counts.push((change.time, counts)),
@@ -148,6 +149,7 @@ impl BushHistory {
 pub(super) struct BushReader {
     history: BushHistory,
     outcome: Outcome,
+    // 16 million cells that burn for an hour are more nanoseconds than 64 bits hold.
     burning_cell_ns: u128,
     response_ns: u128,
     responses: u32,
@@ -270,6 +272,7 @@ fn due_spreads(timeline: &Timeline) -> Vec<(SimTime, Cell)> {
         let Some(bush) = timeline.setting.bush_index(fact.cell()) else { continue };
         match fact {
             FireFact::Ignited { cause, .. } => {
+                // What an agent or the schedule lit is a source.
                 let may = if matches!(cause, Cause::Spread(_)) { fire.caught_spreads } else { fire.sources_spread };
                 due[bush] = may.then_some(event.time + fire.spread_delay);
             }

@@ -113,6 +113,7 @@ impl GroundIndex {
             }
         }
         let mut wettings = Vec::new();
+        // A recording may name any flank that fits a byte.
         let mut along_mm = [0; 256];
         let mut line_cells = Vec::new();
         for event in log {
@@ -121,6 +122,7 @@ impl GroundIndex {
                     let index = frame.index(event.cell);
                     let of_cell = &mut burnings[first[index] as usize..first[index + 1] as usize];
                     let started = of_cell.partition_point(|burning| burning.ignited <= event.time);
+                    // What would burn out at this very instant is put out first.
                     if let Some(burning) = of_cell[..started].last_mut().filter(|burning| burning.ends >= event.time) {
                         (burning.ends, burning.is_extinguished) = (event.time, true);
                     }
@@ -141,11 +143,13 @@ impl GroundIndex {
         let built_m = along_mm.iter().map(|&along| f64::from(along) / 1000.0).sum::<f64>();
         // A cell counts as an average one.
         let lost_cells = line_cells.iter().filter(|cell| !cell.holds).count() as f64;
+        // A line without cells has lost nothing, and 0 must not be divided by 0.
         let lost_m = built_m * lost_cells / (line_cells.len() as f64).max(1.0);
         let line = setting.line.as_ref().map(|_| LineOutcome { built_m, lost_m });
         // The log is in order of time, and the sort is stable.
         wettings.sort_by_key(|wetting| frame.index(wetting.cell));
         let times = |which: &dyn Fn(&Burning) -> Option<SimTime>| {
+            // What still burns at the end of the run has not ended.
             let mut times: Vec<SimTime> = burnings.iter().filter_map(which).filter(|&time| time <= end).collect();
             times.sort_unstable();
             times
@@ -206,6 +210,7 @@ impl GroundIndex {
         let first = self.wettings.partition_point(|wetting| self.frame.index(wetting.cell) < index);
         let of_cell = self.wettings[first..].iter().take_while(|wetting| wetting.cell == cell);
         let started = of_cell.take_while(|wetting| wetting.from <= time.min(self.end));
+        // A later wetting may end earlier, as line never dries.
         started.map(|wetting| wetting.until).max().filter(|&until| until > time)
     }
 
@@ -289,6 +294,7 @@ impl GroundIndex {
         let mut spotted = 0;
         let mut bushes_burned = 0_u32;
         for (cell, cause) in causes_of_bushes {
+            // A bush that is lit again does not burn its area twice.
             bushes_burned += u32::from(!std::mem::replace(&mut burned[self.frame.index(cell)], true));
             spotted += u32::from(matches!(cause, Cause::Spotted(_)));
         }
@@ -341,10 +347,12 @@ impl FireEnds<'_> {
 
 /// Says of each cell, by index, whether it is ground that burns.
 fn ground_cells(setting: &Setting) -> Vec<bool> {
+    // A landscape has a million cells, but only 256 numbers to look up.
     let burns: Vec<bool> =
         (0..=u8::MAX).map(|number| FuelModel::by_number(number).is_some_and(FuelModel::burns)).collect();
     let fuels = setting.spread.iter().flat_map(|spread| &spread.landscape().fuel);
     let mut is_ground: Vec<bool> = fuels.map(|&number| burns[usize::from(number)]).collect();
+    // A cell with a bush burns as a bush, whatever grows on its ground.
     for &bush in &setting.bushes {
         is_ground[setting.frame.index(bush)] = false;
     }
@@ -366,6 +374,7 @@ fn ignitions_by_cell(frame: FieldFrame, log: &[GroundEvent]) -> (Vec<u32>, Vec<B
     }
     let nothing = Burning { ignited: SimTime::ZERO, ends: SimTime::MAX, is_extinguished: false, event: 0 };
     let mut burnings = vec![nothing; first[frame.cell_count()] as usize];
+    // The log is in order of time, so the fires of each cell are as well.
     let mut next = first.clone();
     for (place, event) in ignitions() {
         let at = &mut next[frame.index(event.cell)];

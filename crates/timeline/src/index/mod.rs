@@ -109,6 +109,7 @@ impl<'a> RunIndex<'a> {
     pub fn ground_between(&self, from: SimTime, to: SimTime) -> &[GroundEvent] {
         let log = &self.timeline.ground;
         let before = |time: SimTime| log.partition_point(|event| event.time <= time.min(self.end));
+        // Nothing lies between a time and an earlier one, and a slice that ends before it begins panics.
         &log[before(from)..before(to).max(before(from))]
     }
 
@@ -359,6 +360,7 @@ impl<'a> Reader<'a> {
     fn account(&mut self, now: SimTime, until: SimTime) {
         let span = until - now;
         self.bushes.account(span);
+        // Only trucks that stand need these, and all of them share one list.
         let burning_goals = OnceCell::new();
         for index in 0..self.agents.len() {
             let activity = self.replay.activity(index);
@@ -389,6 +391,7 @@ impl<'a> Reader<'a> {
             .filter_map(|wetting| setting.bush_index(wetting.cell))
             .filter(|&bush| bushes[bush].can_ignite(setting.rules.reignition))
             .collect();
+        // Wettings are in the order of cells, so those of one bush are neighbours.
         places.dedup();
         places
     }
@@ -419,9 +422,11 @@ fn scarce_times(timeline: &Timeline, ground: &GroundIndex) -> Vec<SimTime> {
         Fact::Agent(_, AgentFact::OutOfReach { cells }) => cells.iter().filter(|&&cell| ground.is_ground(cell)).count(),
         _ => 0,
     });
+    // Each agent keeps at most one fire from the others.
     let enough = ruled_out.sum::<usize>() + timeline.setting.agents.len();
     let mut before = 0;
     let changes = ground.burning_counts().filter(|&(_, burning)| {
+        // A change counts if there were few on either side of it.
         let fewest = burning.min(std::mem::replace(&mut before, burning));
         fewest as usize <= enough
     });

@@ -127,6 +127,7 @@ impl View {
             return None;
         }
         let heading = self.half.rotate(self.vector.rotate(middle.lean));
+        // Below the axis the first arc turns by more than half a circle, and costs at least that much.
         let turns_far = heading.y < -SLACK * (1.0 + heading.x.abs());
         if turns_far && middle.length + PI >= bound {
             return None;

@@ -71,6 +71,7 @@ pub(super) enum WordForm {
 }
 
 impl WordForm {
+    // Fewer cusps first: the search for the cheapest curve ends at the first word that has too many.
     const ALL: [Self; 13] = [
         Self::LpSpLp,
         Self::LpSpRp,

@@ -379,6 +379,7 @@ impl Front {
         let index = self.cells.index(cell);
         let delay = self.cells.delays.entry(index as u32).or_insert(0);
         *delay = until.max(*delay);
+        // A cell that ignites there may reach others that have a further way over this cell.
         for near in self.cells.around(cell, 2 * self.cells.reach) {
             self.cells.state[near] |= NEAR_DELAY;
         }

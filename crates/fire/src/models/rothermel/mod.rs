@@ -76,6 +76,7 @@ impl Rothermel {
     fn next(&mut self) -> Option<(SimTime, Cell)> {
         let front = self.front.next().map(|(time, cell)| (SimTime::from_nanos(time), cell));
         let spark = self.sparks.as_ref().and_then(Sparks::next);
+        // Of equal times `min_by_key` keeps the front's, so that a tie is the same in every run.
         front.into_iter().chain(spark).min_by_key(|&(time, _)| time)
     }
 
@@ -103,6 +104,7 @@ impl Rothermel {
         let nanos = now.as_nanos();
         match change {
             FireChange::Ignited { cell, .. } => {
+                // Before the front takes it in and forgets by which way it came.
                 if let Some(sparks) = &mut self.sparks {
                     sparks.fly_from(cell, self.front.way_to(cell, nanos), fires.episode(cell), now);
                 }
@@ -117,6 +119,7 @@ impl Rothermel {
 
     fn announce(&mut self, expected: &mut Vec<(SimTime, FireEvent)>) {
         let Some((time, cell)) = self.next() else { return };
+        // An arrival that comes too early finds nothing due and announces the next, so only an earlier one is news.
         if self.announced.is_none_or(|announced| time < announced) {
             self.revision += 1;
             self.announced = Some(time);
@@ -146,6 +149,7 @@ impl FireModel for Rothermel {
                 let burn_out = FireEvent::BurnOut { cell, episode: fires.episode(cell) };
                 expected.extend(flaming.map(|span| (now + span, burn_out)));
             }
+            // A cell that is cleared never dries.
             FireChange::Wetted { cell, until } if until < SimTime::MAX => {
                 expected.push((until, FireEvent::Dry { cell }));
             }

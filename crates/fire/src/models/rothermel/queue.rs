@@ -128,6 +128,7 @@ impl ArrivalQueue {
         let awaited = cells.into_iter().map(|cell| (times(cell), cell)).filter(|&(time, _)| time != NEVER);
         let mut awaited: Vec<(u64, u32)> = awaited.collect();
         awaited.sort_unstable();
+        // A cell that was planned several times is in the list as often.
         awaited.dedup();
         let Some(&(first, _)) = awaited.first() else { return false };
         self.tick = first >> TICK_BITS;

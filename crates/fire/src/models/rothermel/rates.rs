@@ -236,6 +236,7 @@ impl Rates {
             return self.on_plane(interval)[usize::from(fuel)];
         }
         let key = (interval as u64) << 32 | index as u64;
+        // Shifted by the interval: a way across a change of weather asks for one cell in both intervals.
         let place = (index + 61 * interval) & (self.kept.len() - 1);
         let (cached_key, spreading) = self.kept[place];
         if cached_key == key {

@@ -18,6 +18,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Returns whether a file begins as grids do: with one of the keys.
 pub(super) fn is_start(bytes: &[u8]) -> bool {
+    // A file without white space is a single word, and keys are short.
     let word = Tokens::new(bytes).next().map(|word| &word[..word.len().min(16)]);
     word.is_some_and(|word| key_of(word).is_some())
 }

@@ -100,6 +100,7 @@ impl Coordinates {
         }
         let vertical = ["VERT_CS[", "VERTCS[", "VERTCRS["].iter().find_map(|start| upper.find(start));
         let (horizontal, heights) = upper.split_at(vertical.unwrap_or(upper.len()));
+        // Units further in, such as the degrees of its datum, come before that of its lengths.
         let last_unit = |part: &str| {
             let (_, unit) = part.rsplit_once("LENGTHUNIT[").or_else(|| part.rsplit_once("UNIT["))?;
             unit.split([',', ']']).nth(1)?.trim().parse::<f64>().ok()
@@ -153,8 +154,11 @@ pub(super) fn gdalwarp_at(degrees: [f64; 2]) -> String {
 /// Returns the number in the list of EPSG that a name of a coordinate system has, such as `urn:ogc:def:crs:EPSG::32611`.
 pub fn epsg_of_name(name: &str) -> Option<u32> {
     let upper = name.to_ascii_uppercase();
+    // Of the numbers of Esri's list only those of the web's Mercator projection are known here.
     let place = upper.find("EPSG").or_else(|| upper.find("ESRI:1021"))?;
+    // A compound system, such as EPSG:32611+5703, names its horizontal part first.
     let rest = upper[place..].split('+').next()?;
+    // Versions in names of this kind, such as 0 or 9.8, have fewer digits than systems.
     rest.split(|letter: char| !letter.is_ascii_digit()).filter(|number| number.len() > 2).find_map(|it| it.parse().ok())
 }
 

@@ -116,6 +116,7 @@ impl BandItems {
         let plain = Self { name: None, unit: None, scale: 1.0, offset: 0.0, is_opacity: false };
         let mut all = vec![plain; bands];
         let extra = decoder.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).map_err(damaged)?.unwrap_or_default();
+        // Extra samples are the last bands of an image.
         for (band, kind) in all.iter_mut().rev().zip(extra.iter().rev()) {
             band.is_opacity = [ExtraSamples::AssociatedAlpha, ExtraSamples::UnassociatedAlpha]
                 .iter()
@@ -129,6 +130,7 @@ impl BandItems {
             let number = attribute("sample=\"").and_then(|number| number.parse::<usize>().ok());
             let Some(band) = number.and_then(|number| all.get_mut(number)) else { continue };
             let value = value.split('<').next().unwrap_or_default();
+            // The ampersand comes last: `&amp;lt;` stands for `&lt;` and not for a bracket.
             let value = value.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
             let factor = || {
                 let found = || wildfire_base::untrusted::visible_start(&value);
@@ -262,6 +264,7 @@ fn numbers(samples: DecodingResult) -> Result<Vec<f32>, RasterFault> {
 
 /// Rounds a number to 32 bits; what is beyond their range, as values for no data often are, becomes its end.
 fn narrowed(number: f64) -> f32 {
+    // Infinity is a value of its own, and not one beyond the range.
     if number.is_infinite() { number as f32 } else { number.clamp(f32::MIN.into(), f32::MAX.into()) as f32 }
 }
 
@@ -368,6 +371,7 @@ impl RasterCorner {
         if (x - y.abs()).abs() > 1e-6 * x.abs() {
             return Err(RasterFault::NotSquare { x, y });
         }
+        // Where pixels are points, the tie point is the middle of the first.
         let half = if crs.and_then(|crs| crs.short(RASTER_TYPE)) == Some(PIXEL_IS_POINT) { 0.5 * x } else { 0.0 };
         let south_first = y < 0.0;
         Ok(Self { west_m: west - half, edge_m: edge + half.copysign(y), cell_m: x, south_first })
@@ -383,6 +387,7 @@ pub(super) fn to_bytes(bands: &[(Option<&str>, &Raster)]) -> TiffResult<Vec<u8>>
     let mut encoder = TiffEncoder::new(&mut file)?.with_compression(packed);
     let mut image = encoder.new_image::<Gray32Float>(raster.cols as u32, raster.rows as u32)?;
     image.rows_per_strip(STRIP_CELLS.div_ceil(raster.cols).min(raster.rows) as u32)?;
+    // TIFF wants every sample beyond the one of a grey image declared.
     if bands.len() > 1 {
         image.extra_samples(&vec![ExtraSamples::Unspecified; bands.len() - 1])?;
     }

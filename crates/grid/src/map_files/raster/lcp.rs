@@ -62,6 +62,7 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ve
             _ => word(4) == PRESENT,
         })
         .collect();
+    // A negative size becomes 0, which the check refuses.
     let size = |at| u64::try_from(word(at)).unwrap_or(0);
     let (cols, rows) = (size(4164), size(4168));
     check_size(rows, cols)?;

@@ -20,6 +20,7 @@ pub(super) fn projection(path: &Path) -> SpatialReference {
 
 /// Refuses a raster whose numbers a file beside it changes.
 pub(super) fn refuse_changes(path: &Path) -> Result<(), RasterFault> {
+    // GDAL appends these endings to the whole name, whereas `.prj` replaces the ending.
     let beside = |ending: &str| PathBuf::from([path.as_os_str(), ending.as_ref()].into_iter().collect::<OsString>());
     let mask = beside(".msk");
     if mask.is_file() {
@@ -28,6 +29,7 @@ pub(super) fn refuse_changes(path: &Path) -> Result<(), RasterFault> {
     let more = beside(".aux.xml");
     let Ok(text) = input_file::read_text(&more, MAX_BYTES) else { return Ok(()) };
     let value = |tag: &str| Some(text.split_once(tag)?.1.split('<').next()?.trim());
+    // What cannot be read counts as a factor too.
     let is_factor = |tag: &str, none: f64| value(tag).is_some_and(|value| value.parse() != Ok(none));
     if is_factor("<Scale>", 1.0) || is_factor("<Offset>", 0.0) {
         return Err(RasterFault::Sidecar { path: more, says: "gives its values a scale" });

@@ -82,6 +82,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
     let is_sound = cols > 0 && rows > 0 && width > 0 && height > 0 && offsets.len() == counts.len();
     let (Some(row_bytes), true) = (row_bytes, is_sound) else { return Ok(None) };
 
+    // Plain chunks are appended, so that all other offsets in the file stay right.
     let mut plain = bytes.to_vec();
     let across = cols.div_ceil(width);
     let down = rows.div_ceil(height);
@@ -104,6 +105,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
         };
         let start = plain.len();
         let limit = needed.map(|needed| start.saturating_add(needed));
+        // Chunks are pointed to by numbers of 32 bits.
         let Some(limit) = limit.filter(|limit| limit - bytes.len() <= max && u32::try_from(*limit).is_ok()) else {
             return Err(format!("its cells take more than {max} bytes"));
         };
@@ -130,6 +132,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
         if plain.len() < limit {
             return wrong("its compressed cells end early, or are damaged");
         }
+        // A chunk without bytes was left out by GDAL, and must still look like that to the decoder.
         starts.push(if packed.is_empty() { 0 } else { start as u32 });
         sizes.push((limit - start) as u32);
     }
@@ -171,6 +174,7 @@ fn unpack_lzw(packed: &[u8], limit: usize, plain: &mut Vec<u8>) {
             before = None;
             continue;
         }
+        // Added before the code is looked up: a code may stand for the very string that it completes.
         if let Some((start, length)) = before.filter(|_| strings.len() + END + 1 < MAX_STRINGS) {
             strings.push((start, length + 1));
         }

@@ -64,6 +64,7 @@ pub(super) fn unpack(packed: &[u8], form: Fax, width: usize, limit: usize, plain
     while plain.len() < limit {
         let mut is_coded_alone = true;
         match form {
+            // Rows of this form begin at whole bytes.
             Fax::ModifiedHuffman => bits.at = bits.at.next_multiple_of(8),
             Fax::Group3 { options } => {
                 let has_end_of_line = bits.skip_end_of_line();
@@ -178,6 +179,7 @@ impl Bits<'_> {
                 let change = match (offset(0), offset(1)) {
                     (Some(right), _) => change_above(next) + right,
                     (None, Some(left)) => change_above(next).checked_sub(left)?,
+                    // The longest code has seven bits after the 1 that stands before all codes.
                     (None, None) if code < 0x80 => continue,
                     (None, None) => return None,
                 };

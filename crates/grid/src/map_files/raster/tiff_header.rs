@@ -126,11 +126,13 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
     head.make_grey(bytes);
     let mut mask = None;
     let mut offset = head.next;
+    // Bounded, as a file may close its list of images to a circle.
     for place in 1..MAX_IMAGES {
         let Some(head) = TiffHead::at(bytes, offset) else { break };
         let is_mask = head.number(bytes, KIND)?.is_some_and(|kind| kind & IS_MASK != 0 && kind & IS_OVERVIEW == 0);
         let size = [head.number(bytes, LENGTH)?, head.number(bytes, WIDTH)?];
         if is_mask && size == [Some(rows as u64), Some(cols as u64)] {
+            // Only the first image of a file is unpacked here, and the decoder lacks what these two need.
             if [5, 50_000].contains(&head.number(bytes, COMPRESSION)?.unwrap_or(1)) {
                 let message = "its mask is packed by LZW or Zstandard; gdal_translate --config \
                      GDAL_TIFF_INTERNAL_MASK YES -co COMPRESS=DEFLATE in.tif out.tif makes a supported file";

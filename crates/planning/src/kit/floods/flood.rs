@@ -79,6 +79,7 @@ impl Flood {
     /// Returns the first pose found whose body centre lies in a disc; the flood grows until there is one, but spreads
     /// from at most `limit` poses.
     pub fn pose_in(&mut self, disc: GoalDisc, limit: u32) -> Option<u32> {
+        // The lowest index was found first, so the answer is the same whether the flood had grown before or not.
         self.found_in(disc, limit).min().or_else(|| self.grow_into(disc, limit))
     }
 
@@ -164,6 +165,7 @@ impl Flood {
     /// predecessor.
     pub fn reached(&self, limit: u32) -> impl Iterator<Item = [DVec2; 2]> {
         let mut poses: Vec<Pose> = Vec::new();
+        // Poses are found in the order of their parents, so what follows is found by later spreads only.
         let found = self.found.iter().take_while(move |found| found.parent.wrapping_add(1) <= limit);
         found.map(move |found| {
             let (from, pose) = match poses.get(found.parent as usize) {
@@ -252,6 +254,7 @@ impl BinPages {
         let axis = |metres: f64| (metres / self.lattice.bin_m) as usize;
         let [block, page, place] = self.locate(axis(pose.x), axis(pose.y));
         let turn = (pose.heading + PI) / TAU * f64::from(self.lattice.headings);
+        // A heading of exactly half a turn would be in the bin after the last.
         [block, page, place + (turn as usize).min(self.lattice.headings as usize - 1)]
     }
 

@@ -60,6 +60,7 @@ impl CorridorGraph {
         let mut met = vec![false; squares.count()];
         self.joined = met.clone();
         let first = squares.at(start);
+        // The truck stands there, so the square counts as open whatever the distance of its middle says.
         met[first] = true;
         self.joined[first] = true;
         let mut pending = vec![first];
@@ -95,6 +96,7 @@ pub fn lies_in_pocket(checker: &CollisionChecker, start: Pose, disc: GoalDisc) -
     let first = squares.at(checker.body().body_centre(start));
     let is_open = |square: usize| square == first || squares.is_open(checker, square);
     let mut pending: Vec<usize> = squares.in_disc(disc).filter(|&square| is_open(square)).collect();
+    // A set in place of an array over all squares: the cost must follow the pocket and not the field.
     let mut met: BTreeSet<usize> = pending.iter().copied().collect();
     while let Some(square) = pending.pop() {
         if square == first || met.len() > LARGEST_POCKET {

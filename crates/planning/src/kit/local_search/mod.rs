@@ -94,6 +94,7 @@ impl LocalSearch {
             Goal::Pose(end) => END_SHARE * self.checker.clearance(end),
             Goal::Disc(_) => f64::INFINITY,
         };
+        // The last stage asks for the least clearance, so how its search ends tells whether there is a path at all.
         let mut ending = SearchFailure::Exhausted;
         for stage in SCHEDULE {
             let min_clearance_m = stage.min_clearance_m(self.settings.clearance_m, max_m);
@@ -151,6 +152,7 @@ impl LocalSearch {
             // The budget is that of the whole route: legs before may have spent it.
             let found = self.search.run(&leg, limit.saturating_sub(self.expansions));
             self.expansions += self.search.expansions();
+            // A search that failed is counted and shown as well, so both come before the error is returned.
             observer.on_edges_examined(SearchPhase::Local, &mut self.search.lines());
             let found = found?;
             pose = found.end();

@@ -136,7 +136,9 @@ impl PrimitiveSearch {
     pub fn run(&mut self, query: &PrimitiveQuery<'_>, budget: u32) -> Result<Path, SearchFailure> {
         self.primitives.begin(query.waypoints);
         let mut space = PrimitiveSpace { query, primitives: &mut self.primitives };
+        // Searches never ask whether a start is a goal.
         if query.is_inside(query.start) {
+            // It is begun without a start, so that the lines of the last query are not shown again.
             self.search.begin(&mut space, [], WaypointProgress { waypoint: 0, way: NO_WAY });
             return Ok(Path::standing(query.start));
         }

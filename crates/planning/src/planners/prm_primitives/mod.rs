@@ -85,6 +85,7 @@ impl PrmPrimitives {
         let near = self.near(goal);
         let centre = self.checker.body().body_centre(start);
         let is_near = self.goal == RoadmapGoal::InReach && centre.distance(near.centre) <= near.radius_m;
+        // A pose still has to be driven to, however near it is.
         if is_near && matches!(goal, Goal::Disc(_)) {
             return Ok(Found { path: Path::standing(start), by: FoundBy::Straight });
         }
@@ -101,6 +102,7 @@ impl PrmPrimitives {
             self.local.drive(start, &route.waypoints, end, observer)
         });
         let path = match path {
+            // Near the goal there were no waypoints, and the same search would be made again.
             Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) if self.search_alone && !is_near => {
                 self.local.drive(start, &[], goal, observer)
             }

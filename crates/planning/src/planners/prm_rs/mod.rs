@@ -105,6 +105,7 @@ impl PrmRs {
         effort: &mut Effort,
         observer: &mut dyn PlanningObserver,
     ) -> Option<(Found, Option<ClearanceProfile>)> {
+        // What is wrong with the ends is reported by the fallback, which looks at them again.
         let ends = free_ends(&self.checker, start, target).ok()?;
         let found = self.find_between(&ends, start, target, effort, observer);
         if found.is_some() || !self.is_unjoined {
@@ -255,6 +256,7 @@ impl PrmRs {
                 let path = self.improver.improve(&path, &profile, self.improvement, &mut self.rng.clone());
                 Ok(Found { path: self.heuristic.shorten_end(&self.checker, path, target, &profile), by })
             }
+            // The cheapest curve on an empty field cannot be improved.
             Some((found, None)) => Ok(found),
             None => {
                 observer.begins(Some(PlanningWork::Local));

@@ -380,6 +380,7 @@ impl Roadmap {
             if self.joined.equiv(a, b) {
                 continue;
             }
+            // Without memory the run fails, so a roadmap that stays unjoined decides nothing.
             if !self.has_memory_for(1) {
                 return;
             }
@@ -423,6 +424,7 @@ impl Roadmap {
     /// less than what turning from one heading to the other takes.
     fn estimate_m(&self, a: &Milestone, b: &Milestone, distance: f64) -> f64 {
         let radius = self.curves.radius_m;
+        // Two poses may be at the same place.
         let line = (b.pose.position() - a.pose.position()) / distance.max(1e-9);
         let turn_m = |direction: DVec2| {
             let along = line.dot(direction).abs();

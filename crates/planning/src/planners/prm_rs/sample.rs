@@ -141,6 +141,7 @@ fn corners_of_one<'a>(
         (block.cols.start.max(1)..block.cols.end).filter_map(move |col| {
             let around = [(row - 1, col - 1), (row - 1, col), (row, col), (row, col - 1)];
             let mut bushes = (0..4).filter(|&k| occupied[around[k]]);
+            // Two bushes make a straight edge or shut the corner, and three a hollow: none of these sticks out.
             let (only, None) = (bushes.next()?, bushes.next()) else { return None };
             Some((row, col, only))
         })

@@ -303,6 +303,7 @@ impl RoadmapSpace<'_> {
     /// Offers a state at the estimate of the whole way by it.
     fn offer(&mut self, search: &mut SearchOf<Self>, from: Candidate<RoadmapStep>, index: u32, via: NodeEntry) {
         let generation = self.notes.generation;
+        // Every way that arrives in this direction has the same estimate, so it is worked out once.
         if self.notes.states[index as usize].generation != generation {
             let (cost_to_go, expansion) = self.value(self.roadmap.pose(index / 2), Some(index % 2 == 1));
             self.notes.states[index as usize] =

@@ -251,6 +251,7 @@ impl Future<'_> {
         let out_at = |fire: usize| {
             let FutureFire { place: goal, burns_out, is_claimed, burns, .. } = self.fires[fire];
             let out_at = self.now + team.stop_time(speed_mps, place, goal);
+            // What is put out after the end of the run is not saved.
             (burns && !is_claimed && out_at <= burns_out.min(team.end)).then_some(out_at)
         };
         let existing = self.of.fires.len();

@@ -21,6 +21,7 @@ pub fn policy_of(scenario: &Scenario, terrain: &Terrain, water: Option<WaterRule
     let sight = scenario.sight.clone().unwrap_or_default();
     // Rules that a truck can follow alone need no team: it then decides when it is free.
     let is_plain = dispatch.idle == IdleRule::Stay && sight.field != SightOfField::Radius;
+    // Trucks that decide alone are charged nothing for it, so a charge needs the team.
     if is_plain && dispatch.seconds_per_evaluation == 0.0 {
         match dispatch.policy {
             scenario::DispatchPolicy::Nearest => return Some(Box::new(PerAgentPolicy(Nearest))),

@@ -74,6 +74,7 @@ impl Policy for DispatchPolicy {
         let choice = |id: AgentId| {
             let truck = team.trucks.iter().find(|truck| truck.id == id)?;
             let staging_point = posts.iter().find(|(idle, _)| *idle == id).map(|&(_, place)| place);
+            // A truck that is asked and still may not take a fire is out of water.
             let refills = !truck.is_queried || to_refill.iter().any(|other| other.id == id);
             let choice = match (goal_of(id), staging_point, truck.goal) {
                 (None, ..) if refills => Action::Refill,
@@ -82,6 +83,7 @@ impl Policy for DispatchPolicy {
                 (None, Some(place), _) => Action::Move(place),
                 // What it went for is not worth it any more.
                 (None, None, Some(_)) => Action::Move(truck.place),
+                // A report changes no cell, so nothing would wake the team when it comes.
                 (None, None, None) => knowledge.next_report().map_or(Action::Wait, Action::WaitUntil),
             };
             Some((id, choice))

@@ -49,6 +49,7 @@ impl Assignment for Rollout {
         search.consider(kept(&open));
         // Every cheap rule's plan is a start; improving one is better than starting from nothing.
         for rule in [&mut Auction as &mut dyn Assignment, &mut NearestSavable, &mut Hungarian, &mut ThreatFirst] {
+            // Their pairs do not count: this rule is charged by its rollouts.
             let plan = plan_of(&open, &rule.assign(team, &mut 0));
             search.consider(plan);
         }

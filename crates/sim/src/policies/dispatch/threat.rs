@@ -21,6 +21,7 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
     let spreading: Vec<&Fire> = team
         .fires
         .iter()
+        // At one instant fires burn out before they spread.
         .filter(|fire| fire.spreads_at > team.now && fire.spreads_at < fire.burns_out.min(team.end))
         .collect();
     if spreading.len().saturating_mul(offsets.len()) > MAX_PAIRS {

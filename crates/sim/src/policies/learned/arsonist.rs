@@ -46,6 +46,7 @@ impl LearnedArsonist {
             let place = frame.centre(cell);
             let thickness = self.density.thickness(seen, cell) as f64;
             let worth = self.density.worth(thickness, place, agent.place, &around.others);
+            // An option can burn itself, so its worth is above zero.
             let value = ops::ln(worth) + self.network.value(&around.inputs(agent.place, place, thickness));
             if best.is_none_or(|(max, _)| value > max) {
                 best = Some((value, cell));

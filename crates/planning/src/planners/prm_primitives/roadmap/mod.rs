@@ -89,6 +89,7 @@ impl Roadmap {
         if roads().count() as f64 > MAX_ROADS * frame.cell_count() as f64 {
             return self;
         }
+        // In order, so that the milestones have the same numbers in every run.
         let mut squares: BTreeMap<[i32; 2], (f64, DVec2)> = BTreeMap::new();
         for place in roads().filter(|&place| self.space.point_is_free(place)) {
             let square = (place / ROAD_SQUARE_M).floor();
@@ -198,6 +199,7 @@ fn find_edges(
     let mut tried = TriedLines::new(milestones.len());
     let mut edges = Vec::with_capacity(milestones.len() * settings.neighbours as usize);
     let mut near = Vec::new();
+    // One more, since a milestone is nearest to itself.
     let examined = settings.neighbours as usize * EXAMINED_PER_NEIGHBOUR + 1;
     let examined = NonZero::new(examined).expect("one more than something");
     for (index, &here) in milestones.iter().enumerate() {
@@ -215,6 +217,7 @@ fn find_edges(
             }
         }
     }
+    // Two milestones that are near each other find the same edge, once from each side.
     edges.sort_unstable_by_key(|&(low, high, _)| (low, high));
     edges.dedup_by_key(|&mut (low, high, _)| (low, high));
     edges

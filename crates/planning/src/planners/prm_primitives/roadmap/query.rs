@@ -236,6 +236,7 @@ impl MilestoneQuery<'_> {
 
     fn offer(&self, place: u32, from: u32, cost_so_far: f64, scratch: &mut RoadmapScratch) {
         let cost = cost_so_far + self.roadmap.space.price(self.position(from), self.goal_place(place, from));
+        // To a greedy search nothing is nearer to the goal than a place in it.
         let key = match self.roadmap.settings.search {
             RoadmapSearch::Greedy => 0.0,
             RoadmapSearch::Astar | RoadmapSearch::Dijkstra => cost,
@@ -271,6 +272,7 @@ impl MilestoneQuery<'_> {
         let GoalDisc { centre, radius_m } = self.goal;
         if place == GOAL {
             let offset = self.position(from) - centre;
+            // A line that begins in the disc has entered it where it begins.
             return centre + offset * (radius_m / offset.length()).min(1.0);
         }
         let around = f64::from(place - GOAL - 1) / f64::from(GOAL_PLACES) * std::f64::consts::TAU;

@@ -51,6 +51,7 @@ fn pull(space: &FreeSpace, start: DVec2, waypoints: &mut [DVec2]) {
         let here = waypoints[index];
         let after = waypoints[index + 1];
         let along = after - before;
+        // The waypoints before and after may be the same place.
         let share = ((here - before).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
         let straight = before + along * share;
         let (mut free, mut width) = (0.0, 1.0);

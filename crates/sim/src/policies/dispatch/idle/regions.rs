@@ -33,6 +33,7 @@ impl StagingRule for Regions {
             // From their starts and not from where they are: the sites of a region do not depend on who is where.
             let mut sites: Vec<DVec2> = trucks.iter().map(|truck| truck.start).collect();
             spread_out(&within, &mut sites);
+            // With nothing to watch, a drive back to the start gains nothing.
             if within.is_empty() {
                 sites = trucks.iter().map(|truck| waits_at(truck)).collect();
             }
