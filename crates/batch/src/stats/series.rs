@@ -97,6 +97,7 @@ impl Series {
     /// 1992). The upper end for two numbers without a finite `max` is that of Student's plain interval: on the log scale
     /// it can be 300,000 times the mean. Without a finite `min` the whole interval is the plain one.
     pub fn mean_interval_within(&self, (min, max): (f64, f64)) -> Option<Interval> {
+        // Numbers so close that the interval rounds to a point have no spread to transform.
         let plain = self.mean_interval().filter(|plain| plain.low < plain.high)?;
         let reach = plain.high - self.mean;
         let below = self.mean - min;

@@ -54,6 +54,7 @@ impl Collected {
         for (index, variant) in plan.variants.iter().enumerate() {
             let mut report = VariantReport::new(plan.title(variant), &variant.scenario);
             let mut values = Values::default();
+            // Variants that a rule stopped early have fewer seeds.
             for _ in 0..plan.seeds_of(index) {
                 number += 1;
                 let run = plan.run(number);
@@ -62,6 +63,7 @@ impl Collected {
                 values.add(&row, &kept);
                 if row.is_done() {
                     let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
+                    // All are kept until they are sorted, as the run that was stuck the longest may come last.
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
                 } else if collected.failures.len() < LISTED_RUNS {
                     let reason = format!("{}: {}", row.status(), row.message());
@@ -71,6 +73,7 @@ impl Collected {
             collected.report.variants.push(report);
             collected.variants.push(values);
         }
+        // Ties go to the first run of the plan, so that the list does not depend on the sort.
         stuck.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         collected.stuck_runs = stuck.len();
         collected.stuck = stuck
