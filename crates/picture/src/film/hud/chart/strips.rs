@@ -162,6 +162,7 @@ fn verdict_columns(run: &RunView, width: u32, end: SimTime) -> LaneMarks {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
 fn column_of(time: SimTime, width: u32, end: SimTime) -> u32 {
     let share = time.as_seconds() / end.as_seconds().max(f64::MIN_POSITIVE);
+    // What happens at the very end belongs to the last column.
     ((share * f64::from(width)) as u32).min(width - 1)
 }
 
@@ -196,6 +197,7 @@ const CURVES: [CountCurve; 2] = [
 /// Draws how much larger the counts of the first run are than those of the second.
 pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, one: &RunView, other: &RunView) {
     let curves = CURVES.map(|curve| (pen.shade(curve.colour), differences(pen, one, other, curve.count)));
+    // It is at least 1, since two equal runs have no largest difference to scale by.
     let largest = curves.iter().flat_map(|(_, values)| values).map(|value| value.abs()).fold(1.0, f64::max);
     let largest = round_step(largest);
     draw_value_axis(pen, rows, (-largest, largest));
