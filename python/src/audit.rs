@@ -145,6 +145,7 @@ fn audit_source(py: Python<'_>, source: &AuditSource, factories: &Factories, job
     }
     let options = AuditOptions { jobs, step: SampleStep::default(), registry: &registry, listed: usize::MAX };
     let report = interruption.work_aside(py, || audit_all(std::slice::from_ref(source), &options, || {}))?;
+    // Once everything is stopping, planners are no longer asked, and the report says nothing of value about their runs.
     if let Some(exception) = interruption.take() {
         return Err(exception);
     }

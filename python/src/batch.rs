@@ -336,6 +336,7 @@ pub fn run_shard(
     let slice = Slice::new(number, of).ok_or_else(|| error(SliceError))?;
     let factories = Arc::new(Factories::new(planners, policies)?.with_programs(programs(py, trust)));
     let mut plan = BatchPlan::read(&folder).map_err(error)?;
+    // The code that this worker has is what counts: a worker with another version of it is refused below.
     factories.sign(py, &mut plan, version)?;
     interruptible(py, &factories, jobs, |interruption| {
         let mut batch = library::execute::Batch::resume(OutputFolder::existing(&folder)?, slice)?;
@@ -396,6 +397,7 @@ impl RunsRequest<'_, '_> {
     fn plan_of(&self, scenario: &Scenario, factories: &Factories) -> PyResult<BatchPlan> {
         let (text, mut changes) = scenario.parts();
         let mut declared: Vec<String> = Vec::new();
+        // A refusal names one unknown name. Each gets a table once, so one that stays unknown ends the loop with its refusal.
         loop {
             let mut request = self.request(text, changes.clone())?;
             request.add_planners(&self.planners).map_err(error)?;
@@ -504,6 +506,7 @@ impl<'a, 'py> SpreadBatch<'a, 'py> {
             library::execute::Batch::join(plan, folder, first)
         };
         begin().map_err(|refusal| refused(refusal, factories))?;
+        // Workers may have another working directory.
         absolute(path).map_err(error)
     }
 
@@ -550,6 +553,7 @@ fn interruptible<T: Send>(
 ) -> PyResult<T> {
     let interruption: Arc<Interruption> = Arc::default();
     let ended = interruption.work_aside(py, || with_threads(jobs, || work(&interruption)).and_then(|done| done))?;
+    // Ctrl-C after the last run does not throw a finished batch away.
     match (ended, interruption.take()) {
         (Ok(done), _) => Ok(done),
         (Err(BatchError::Stopped), Some(exception)) => Err(exception),
@@ -600,6 +604,7 @@ fn simulation(
                 py.detach(|| simulate(scenario, seed, &options, || interruption.is_set()))
             })
         });
+        // A run that was never begun gets no row, so the batch runs it when it is continued.
         run.flatten().unwrap_or(Err(RunError::Stopped))
     })
 }
@@ -618,6 +623,7 @@ fn begin_or_go_on(plan: BatchPlan, path: &Path) -> Result<library::execute::Batc
         let found = BatchPlan::read(path)?;
         // One that its rule has stopped has fewer seeds.
         let stopped = if plan.until.is_some() { plan.shortened(&found.played()) } else { plan.clone() };
+        // Where it is another batch, the refusal compares it with what was asked for, not with its shortened form.
         let is_stopped = stopped.content_sha256() == found.content_sha256();
         found.expect_same(if is_stopped { &stopped } else { &plan }, path)?;
         return library::execute::Batch::resume(OutputFolder::existing(path)?, Slice::WHOLE);

@@ -185,6 +185,7 @@ impl Checker {
             let is_sane = is_sane_pose(&from) && is_sane_pose(&to);
             let is_free = |from: Pose| {
                 let path = curves.shortest(from, to).path(from);
+                // A path without segments has no motion to check, yet the body stands somewhere.
                 path.segments.is_empty() && self.0.pose_is_free(from, clearance)
                     || !path.segments.is_empty()
                         && path.legs().all(|(pose, segment)| self.0.motion_is_free(pose, segment, clearance))
@@ -246,15 +247,18 @@ fn goal_poses(checker: &CollisionChecker, goal: Goal, count: usize, clearance_m:
         Goal::Disc(disc) => disc,
     };
     let pose = |index: u32| {
+        // The bases share no factor: with a common one, headings would go with positions instead of being spread over each.
         let [out, turn, heading] = [2, 3, 5].map(|base| radical_inverse(base, index));
         // The square root makes positions as dense at the rim as at the centre.
         let out_m = WITHIN * radius_m * out.sqrt();
         let (sin, cos) = ops::sin_cos(TAU * turn);
         let heading = ops::wrap_angle(TAU * heading);
+        // The disc is for the middle of the body, whereas a pose is of the rear axle.
         let from_axle = checker.body().body_centre(Pose { x: 0.0, y: 0.0, heading });
         let axle = centre + DVec2::new(cos, sin) * out_m - from_axle;
         Pose::new(axle.x, axle.y, heading)
     };
+    // Where the body fits nowhere in the disc, the search would never end.
     let max = u32::try_from(TRIES * count).unwrap_or(u32::MAX);
     (1..=max).map(pose).filter(is_free).take(count).collect()
 }

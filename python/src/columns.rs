@@ -57,6 +57,7 @@ fn columns_class(py: Python<'_>) -> PyResult<&Bound<'_, PyAny>> {
 fn array<'py>(py: Python<'py>, kind: Kind, values: &[Value]) -> PyResult<Bound<'py, PyAny>> {
     let mask = || values.iter().map(|value| *value == Value::Missing).collect::<Vec<_>>();
     match kind {
+        // There is no integer for a missing count: as nan it would turn the column into reals, which are exact only up to 2^53.
         Kind::Count => masked(PyArray1::from_iter(py, values.iter().map(signed)).into_any(), mask()),
         Kind::LargeCount => masked(PyArray1::from_iter(py, values.iter().map(unsigned)).into_any(), mask()),
         Kind::Flag => {
@@ -65,6 +66,7 @@ fn array<'py>(py: Python<'py>, kind: Kind, values: &[Value]) -> PyResult<Bound<'
         }
         Kind::Real => Ok(PyArray1::from_iter(py, values.iter().map(real)).into_any()),
         Kind::Text => {
+            // It is always of objects: numpy would take text of a fixed width where none is missing, and objects where one is.
             let texts = PyList::new(py, values.iter().map(text))?;
             let array = py.import("numpy")?.call_method1("empty", (values.len(), "O"))?;
             array.set_item(pyo3::types::PySlice::full(py), texts)?;

@@ -75,6 +75,7 @@ impl Driver {
     /// reached, and whether the truck touched anything.
     fn step(&mut self, steering: f64, speed: f64) -> PyResult<(f64, bool, bool)> {
         let drive = self.drive.as_mut().ok_or_else(not_started)?;
+        // Put this way round, the condition refuses nan too.
         if !(steering.abs() <= 1.0 && speed.abs() <= 1.0) {
             let sentence = format!("the action ({steering}, {speed}) is invalid; expected two numbers from -1 to 1");
             return Err(PyValueError::new_err(sentence));
@@ -141,6 +142,7 @@ fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<DriveUnderWay, 
     let settings = &scenario.unimog[truck];
     let field = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
     let checker = CollisionChecker::new(field, settings.vehicle);
+    // This is a stream of its own, which leaves the draws of the field as they are; each truck of a seed gets another.
     let mut dice = rng::stream(seed, &format!("drive/{truck}"));
     let draw = |dice: &mut Xoshiro256PlusPlus| {
         let width_m = terrain.frame.width_m();
@@ -156,6 +158,7 @@ fn begin(scenario: &Scenario, truck: usize, seed: u64) -> Result<DriveUnderWay, 
     // The goal contains a free pose, but not always a path to it.
     let radius_m = scenario.suppression.reach_m.unwrap_or(10.0).max(1.0);
     let far = |pose: &Pose| (checker.body().body_centre(*pose) - checker.body().body_centre(start)).length();
+    // The distance counts from the rim: a large disc might hold the start, and the first step would end the drive.
     let end = (0..DRAWS).map(|_| draw(&mut dice)).find(|pose| is_free(pose) && far(pose) >= NEAREST_GOAL_M + radius_m);
     let end = end.ok_or("found no place to drive to on this field")?;
     let goal = GoalDisc { centre: checker.body().body_centre(end), radius_m };

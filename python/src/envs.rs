@@ -97,6 +97,7 @@ impl LaneRules {
         match task {
             LaneTask::Stay => return Ok(()),
             LaneTask::Reset(seed) => {
+                // Where the contest of this seed cannot take place, a later step must not go on with that of the one before.
                 lane.episode = None;
                 let episode = Episode::new(&self.scenario, seed, &RunOptions::default(), &self.played)?;
                 lane.history = History { seed, ..History::default() };
@@ -122,10 +123,12 @@ impl LaneRules {
                 for pending in episode.pending() {
                     let Some(seat) = self.seat_of(pending.agent) else { continue };
                     let candidates = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
+                    // `step` refuses such numbers, but the history of a pickled contest is read as it comes.
                     let action = usize::try_from(actions[seat]).unwrap_or(0);
                     let choice = self.layout.choice(action, episode.now(), &pending.options, candidates);
                     board.illegal[seat] = choice.is_none();
                     choices.push((pending.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
+                    // The others are asked next, since what this one does may take away some of their options.
                     if !self.together {
                         break;
                     }
@@ -142,6 +145,7 @@ impl LaneRules {
     fn play_again(&self, history: &History, lane: &mut Lane, board: &mut LaneSlice<'_>) -> Result<(), RunError> {
         self.carry_out(lane, LaneTask::Reset(history.seed), board)?;
         let mut futures = history.futures.iter().copied().peekable();
+        // There is one round more than there are steps, for a future that was drawn after the last of them.
         for step in 0..=history.actions.len() / self.seats() {
             while let Some((_, future)) = futures.next_if(|&(actions, _)| actions <= step * self.seats()) {
                 lane.episode = lane.episode.as_ref().map(|episode| episode.fork(Some(future))).transpose()?;
@@ -161,6 +165,7 @@ impl LaneRules {
     fn observe(&self, lane: &mut Lane, board: &mut LaneSlice<'_>) {
         let Some(episode) = &lane.episode else { return };
         let pending =
+            // What the others may do is only known when the first has acted, so nothing of theirs is shown.
             if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
         let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
         sight.write(&self.layout, |id| pending.iter().any(|pending| pending.agent == id), &mut board.shared);
@@ -176,6 +181,7 @@ impl LaneRules {
             };
             let options = entry.map(|pending| (pending.agent, pending.options.as_slice()));
             lane.candidates[seat] = sight.write_agent(&self.layout, options, &mut arrays);
+            // Where agents take turns, the package turns the sign of this for the other side: the points form a zero-sum game.
             let viewer = self.played[seat];
             board.reward[seat] = episode.points().lead_of(viewer) - lane.points.lead_of(viewer);
         }
@@ -428,9 +434,11 @@ impl Contests {
     /// Makes a contest what it was when it was saved, with its own future or one that is drawn again by a number.
     #[pyo3(signature = (lane, saved, future=None))]
     fn restore(&mut self, py: Python<'_>, lane: usize, saved: &SavedContest, future: Option<u32>) -> PyResult<()> {
+        // An action is the number of a cell or of a candidate, which means something else on another field.
         if saved.played_in != self.rules.key {
             return Err(PyValueError::new_err("the contest was saved in an environment with other settings"));
         }
+        // Playing it again in whole steps would drop the rest in silence.
         if !saved.history.actions.len().is_multiple_of(self.rules.seats()) {
             return Err(PyValueError::new_err("the saved contest has actions for another number of agents"));
         }

@@ -101,11 +101,13 @@ impl Interruption {
             let (about, since) = (about(), WallStopwatch::start());
             self.calls(py).push(Call { about, thread, since, clock, end, raised: None, warning_at: FIRST_WARNING });
         }
+        // Some systems have no CPU clocks of other threads: there a late answer is at least found out once it is given.
         let mut stopwatch = CpuStopwatch::start();
         let answer = call();
         let cpu_s = stopwatch.elapsed_since_last().as_secs_f64();
         let mut was_raised = false;
         if let Ok((thread, ..)) = here {
+            // The supervisor raises while it holds this lock, so nothing more is raised for a call that was removed under it.
             let mut calls = self.calls(py);
             // Calls of one thread end in the reverse order of their starts.
             let ended = calls.iter().rposition(|call| call.thread == thread).map(|place| calls.remove(place));
@@ -118,6 +120,7 @@ impl Interruption {
         }
         let Some(limit_s) = limit_s else { return Ok(answer) };
         let is_late = match &answer {
+            // A planner may raise this class for reasons of its own, such as a timeout of something that it asked.
             Err(raised) if raised.is_instance_of::<QueryTimedOut>(py) => was_raised || cpu_s > limit_s,
             Err(raised) => cpu_s > limit_s && !is_an_end(py, raised),
             Ok(_) => cpu_s > limit_s,
@@ -161,7 +164,9 @@ impl Interruption {
                         Python::attach(|py| self.look(py));
                     }
                 });
+                // The work stays on this thread, since Python delivers Ctrl-C to its main thread alone.
                 let done = work();
+                // The scope waits for the supervisor, which ends when nobody can send any more.
                 drop(is_over);
                 done
             })

@@ -31,6 +31,7 @@ pub fn literal(value: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 fn nested(value: &Bound<'_, PyAny>, depth: usize) -> PyResult<String> {
+    // A list that contains itself would overflow the stack, and that ends Python without an exception.
     if depth > MAX_DEPTH {
         return Err(PyTypeError::new_err("lists and tables are nested too deep for a scenario"));
     }

@@ -114,6 +114,7 @@ impl Sight<'_> {
             let (Some(agent), Some((_, options))) = (viewer, queried) else { return Vec::new() };
             return self.write_candidates(layout, max, agent, options, arrays);
         }
+        // Options are cells with fuel, so no other cell was ever allowed: on a sparse field that saves most of the work.
         for cell in self.fires.with_fuel() {
             arrays.action_mask[1 + layout.frame.index(cell)] = 0;
         }
@@ -140,8 +141,10 @@ impl Sight<'_> {
         } else {
             self.fires.flammable().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         };
+        // With equal distances the index decides: an unstable sort alone need not give the same order for the same contest.
         nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         nearest.truncate(max);
+        // What a Wumpus chooses among does not burn, so it belongs to no cluster.
         let sizes = if suppresses { cluster_sizes(self.fires) } else { Vec::new() };
         for (place, &(distance_m, index, cell)) in nearest.iter().enumerate() {
             let is_free = options.binary_search_by_key(&index, |&option| frame.index(option)).is_ok();

@@ -260,6 +260,7 @@ impl PythonPlanner {
         let refuse = || bad(format!("{}; expected {EXPECTED}", described(answer)));
         let rows = match answer.extract::<PyArrayLike2<'_, f64, AllowTypeChange>>() {
             Ok(rows) => rows,
+            // Ctrl-C may come while numpy reads the object; it is no bad answer.
             Err(exception) if is_an_end(answer.py(), &exception) => return Err(exception),
             // An empty list has no columns.
             Err(_) if answer.len().is_ok_and(|length| length == 0) => return Ok(Plan::from(Ok(Path::standing(start)))),
@@ -278,6 +279,7 @@ impl PythonPlanner {
             }
             3 => {
                 let poses: Vec<_> = rows.rows().into_iter().map(|row| pose(row[0], row[1], row[2])).collect();
+                // The curves between poses are computed before the gate sees the path; such numbers would make nonsense of them.
                 if let Some(index) = poses.iter().position(|pose| !is_sane_pose(pose)) {
                     let count = poses.len();
                     return bad(format!("pose {} of {count} has numbers that are not finite or too large", index + 1));

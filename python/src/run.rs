@@ -324,6 +324,7 @@ fn trace(timeline: &Timeline, step_s: f64) -> TableBuilder {
     ]);
     let end = timeline.end_time();
     let mut replay = Replay::new(timeline);
+    // Times are multiples of the step and not sums, whose rounding errors would grow with the run.
     let multiples = (0_u64..).map(|step| SimTime::from_seconds(step as f64 * step_s)).take_while(|&time| time < end);
     for time in multiples.chain([end]) {
         replay.seek(time);
@@ -394,6 +395,7 @@ pub fn run(
     let check =
         || Python::attach(|py| -> PyResult<()> { py.check_signals() }).map_err(|exception| interruption.set(exception));
     let simulate = || simulate(library, seed, &options, || check().is_err() || interruption.is_set());
+    // Where no Python is called, nothing needs a second thread that supervises it.
     let run = if factories.is_empty() { py.detach(simulate) } else { interruption.work(py, simulate) };
     if let Some(exception) = interruption.take() {
         return Err(exception);
@@ -428,6 +430,7 @@ pub fn simulate(
         }
         simulation.advance_to(time);
     }
+    // A planner that is asked after a stop fails at once, so a run that was stopped in its last slice is not what it seems.
     if is_to_stop() {
         return Err(RunError::Stopped);
     }

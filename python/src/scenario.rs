@@ -38,6 +38,7 @@ impl Scenario {
     /// Loads a scenario. Unknown planners and policies may be supplied when it is run; until then each has an empty table.
     fn load(text: ScenarioText, changes: Vec<String>) -> PyResult<Self> {
         let mut missing: Vec<Missing> = Vec::new();
+        // The reader stops at the first unknown name, so each of them takes a pass.
         loop {
             let tables = missing.iter().map(|missing| table_of(missing.kind, &missing.name));
             let all: Vec<_> = changes.iter().cloned().chain(tables).collect();

@@ -38,6 +38,7 @@ impl Table {
     fn add(self, table: &mut TableBuilder, row: &RunRow) {
         let record: Vec<Value> = RUN_COLUMNS.iter().map(|column| (column.value)(row)).collect();
         let (label, rest) = record.split_at(COLUMNS_BEFORE_SWEPT);
+        // In the files, too, the swept columns stand between the two.
         let label = || label.iter().chain(&row.label.swept).cloned();
         match self {
             Self::Runs => table.push(label().chain(rest.iter().cloned())),

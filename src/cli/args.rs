@@ -104,6 +104,7 @@ fn shell_args(command: &str) -> Result<Vec<String>, String> {
             (None, ' ' | '\t' | '\n') => args.extend(word.take()),
             (Some(open), _) if letter == open => quote = None,
             (None, '\'' | '"') => {
+                // Quotes around nothing are a word too, as in `--name ""`.
                 quote = Some(letter);
                 word.get_or_insert_default();
             }

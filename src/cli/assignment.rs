@@ -34,6 +34,7 @@ pub fn random_seeds() -> String {
 /// Writes rules, secret seeds, sample entries and a hand-out into a folder that is new or empty, and prints what to do with
 /// them.
 pub fn write(folder: &Path) -> Result<(), CliError> {
+    // Rules or secret seeds of an earlier course must not be overwritten.
     expect_empty(folder)?;
     fs::create_dir_all(folder).map_err(|error| CliError::unwritable(folder, &error))?;
     let seeds = random_seeds();

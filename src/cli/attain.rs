@@ -68,6 +68,7 @@ pub fn run(arguments: &AttainArguments, context: &CommandContext) -> Result<Exit
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
     let seeds = arguments.seeds.seeds()?;
+    // This comes before the list is made, which a mistyped range would fill memory with.
     if seeds.count() > MAX_SEEDS {
         let sentence = format!("--seeds has {} seeds; expected at most {MAX_SEEDS}", seeds.count());
         return Err(CliError::bad_input(sentence, None));

@@ -69,6 +69,7 @@ pub fn run(arguments: &AuditArguments, context: &CommandContext) -> Result<ExitC
 /// Finds out what is at a path: a recording, a folder of recordings, or a batch.
 fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError> {
     let is_folder = match fs::metadata(path) {
+        // A standard stream has no metadata, and is never a folder.
         _ if is_standard_stream(path) => false,
         Ok(found) => found.is_dir(),
         Err(error) => return Err(CliError::unreadable(path, &error)),
@@ -76,17 +77,20 @@ fn source(path: &Path, context: &CommandContext) -> Result<AuditSource, CliError
     if !is_folder {
         return Ok(AuditSource::Recordings(vec![path.to_owned()]));
     }
+    // A folder without a plan may still hold recordings.
     if !FinishedBatch::is_there(path) {
         return recordings(path, "no recordings and no batch plan");
     }
     match FinishedBatch::open(path) {
         Ok(batch) => {
             batch.expect_registry(&context.registry)?;
+            // Recorded runs are only read; all others are simulated again, which may start programs.
             if batch.plan().record != Record::All {
                 context.expect_trusted_plan(batch.plan())?;
             }
             Ok(AuditSource::Batch(Box::new(batch)))
         }
+        // Another version makes other runs of these seeds, so only what was recorded can be checked.
         Err(error @ FinishedError::Plan(PlanError::OtherVersion { .. })) => {
             if !context.quiet {
                 terminal::note(&format!("{error}: only recorded runs are audited"));
@@ -111,10 +115,12 @@ fn conclude(report: &AuditReport, form: FormArguments) -> Result<ExitCode, CliEr
         1 => (reason.clone(), *kind),
         count => (format!("{reason} (and {} more recordings cannot be read)", count - 1), *kind),
     });
+    // A report of no run at all would look like a clean one.
     if report.runs() + report.not_run > 0 {
         terminal::print(&form.render(report))?;
     }
     match unreadable {
+        // A violation is the graver finding, and its exit code must not be hidden by a file that is missing.
         Some((reason, kind)) if report.violations == 0 => Err(CliError::from_input_error(reason, kind)),
         Some((reason, _)) => {
             terminal::note(&reason);

@@ -166,6 +166,7 @@ fn bash(program: Command) -> String {
         let options = subcommand.get_opts().filter(|option| option.get_action().takes_values());
         let options = options.map(|option| patterns(command, option)).collect::<Vec<_>>().join("|");
         let candidates = names.candidates().join(" ");
+        // These come before the positional argument, or the value of an option would be completed as one.
         writeln!(cases, "        {options}) return 1 ;;").expect("a string takes any text");
         writeln!(cases, "        {command},*) [[ $value == -* ]] && return 1; names=\"{candidates}\" has_files=1 ;;")
             .expect("a string takes any text");
@@ -173,6 +174,7 @@ fn bash(program: Command) -> String {
     let functions = BASH.replace("CASES", cases.trim_end());
     let script = generated(Shell::Bash, program);
     let registered = "complete -F _wildfire ";
+    // If clap names its function differently one day, completion would be lost without a word.
     assert!(script.contains(registered), "the script registers its function");
     functions + &script.replace(registered, "complete -F _wildfire_with_names ")
 }
@@ -232,6 +234,7 @@ fn zsh(program: Command) -> String {
         write!(functions, "{}() {{\n    compset -P '*,'\n    compadd -- {candidates}\n{files}}}\n\n", names.function())
             .expect("a string takes any text");
     }
+    // Functions must be defined before the script calls its own at its end.
     let end = script.find("if [ \"$funcstack[1]\"").expect("the script registers its function at its end");
     script.insert_str(end, &functions);
     script

@@ -95,6 +95,7 @@ impl CommandContext {
         if table.module.is_none() {
             return Err(CliError::environment(format_args!("the {kind} `{name}` is a program, and {ONLY_ON_UNIX}")));
         }
+        // A module can reach nothing outside of it, see `needs_trust`; only programs come so far without trust.
         if self.trust().includes(kind, name, table) {
             return Ok(());
         }

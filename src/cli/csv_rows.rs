@@ -55,6 +55,7 @@ impl CsvRows {
     pub fn advance(&mut self) -> Result<bool, RowFault> {
         loop {
             self.row.clear();
+            // It reads one byte more than allowed, to distinguish a line of the greatest length from a longer one.
             let mut limited = self.source.by_ref().take(LONGEST_LINE as u64 + 1);
             if limited.read_until(b'\n', &mut self.row).map_err(RowFault::Unreadable)? == 0 {
                 return Ok(false);
@@ -69,6 +70,7 @@ impl CsvRows {
             if self.row.trim_ascii().is_empty() {
                 continue;
             }
+            // It is found on the first line that is not blank, as the names of columns hold no numbers with decimal commas.
             if self.separator.is_none() {
                 if let Some(named) = named_separator(&self.row) {
                     self.separator = Some(named);

@@ -94,6 +94,7 @@ pub fn run(
     for (index, DemoStep { why, command }) in STEPS.iter().enumerate() {
         let gap = if index == 0 { "" } else { "\n" };
         let typed = command.replace("DIR", &shell_word(&shown));
+        // The command is printed before it is run, so a reader sees what takes so long.
         terminal::print(&format!("{gap}{}/{}  {why}\n\n$ wildfire {typed}\n\n", index + 1, STEPS.len()))?;
         let args = command.split(' ').map(|word| in_folder(word, folder));
         let code = run_command(std::iter::once(OsString::from("wildfire")).chain(args).collect(), &quiet)?;

@@ -75,6 +75,7 @@ impl CliError {
     pub fn from_batch_error(error: BatchError, resume: &str) -> Self {
         let help = format!("resume with: {resume}");
         match error {
+            // This is no failure: a scheduler reads this code as a request to queue the task again.
             BatchError::Stopped => Self::new(error, Some(&help), exit::RESUMABLE),
             BatchError::Unwritable { .. } | BatchError::Unrecordable { .. } | BatchError::NoWorkers { .. } => {
                 Self::new(error, Some(&help), exit::ENVIRONMENT)

@@ -113,6 +113,7 @@ impl ExportOutput {
             }
             ExportFormat::Csv => Self::Csv { events: beside(out, "events")?, trace: beside(out, "trace")? },
         };
+        // An option without effect would leave its user believing that the file was thinned.
         if let Self::Json(_) = outputs {
             let unused = [("--step", arguments.step.is_some()), ("--agent", !arguments.agents.is_empty())];
             if let Some((option, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
@@ -148,6 +149,7 @@ impl ExportOutput {
             Self::Npz(path) => write(path, &|to| write_npz(timeline, &sampling, to)),
             Self::Mcap(path) => write(path, &|to| write_mcap(timeline, &sampling, to)),
             Self::Csv { events, trace } => {
+                // Both are tried, so that one table is there even where the other cannot be written.
                 let of_events = write(events, &|to| write_events(timeline, to));
                 let of_trace = write(trace, &|to| write_trace(timeline, &sampling, to));
                 of_events.and(of_trace)

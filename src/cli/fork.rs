@@ -76,6 +76,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
     let after = if arguments.changes.is_empty() {
         before.clone()
     } else {
+        // The changes come last, so that they win over those of the parent's scenario.
         let changes = [&overrides[..], &arguments.changes].concat();
         source_of_runs(name, &changes, memory.memory, context)?.expect_scenario(name, context)?.clone()
     };
@@ -87,6 +88,7 @@ pub fn run(arguments: &ForkArguments, context: &CommandContext) -> Result<ExitCo
         .writing([(Format::Recording, &arguments.out), (Format::Recording, &arguments.parent)]);
     let stream = files.check()?;
 
+    // A run starts programs and may take long, so files are checked before it.
     let options = context.run_options(false, memory.limit());
     let stopwatch = WallStopwatch::start();
     let mut cpu = CpuStopwatch::start();

@@ -104,6 +104,7 @@ impl<'a, const N: usize> NumberTable<'a, N> {
         }
         self.width = self.rows.fields().count();
         let line = self.rows.line();
+        // A table that already has an answer's column would have two of that name.
         if let Some(&column) = self.columns.added.iter().find(|column| !self.rows.places(column).is_empty()) {
             return Err(TableFault::Taken { line, column });
         }
@@ -137,10 +138,12 @@ impl<'a, const N: usize> NumberTable<'a, N> {
             found += 1;
             if let Some(index) = self.places.iter().position(|&column| column == Some(place)) {
                 let column = &self.columns.read[index];
+                // An empty field of an optional column counts as a missing column, since tables of spreadsheets have holes.
                 let empty = column.without.filter(|_| field.is_empty());
                 numbers[index] = empty.map_or_else(|| self.number(field, column), Ok)?;
             }
         }
+        // Fields are found by place, so a row of another width would give a column the numbers of its neighbour.
         if found != self.width {
             return Err(TableFault::Ragged { line: self.rows.line(), found, expected: self.width });
         }

@@ -141,6 +141,7 @@ impl<'a> Files<'a> {
     /// # Errors
     /// Bad input; a fault of the environment where the system does not let the folder be looked at.
     pub fn check(&self) -> Result<ReportStream, CliError> {
+        // Stdin can be read once, so the second of two inputs would be empty.
         if self.inputs.iter().filter(|path| is_standard_stream(path)).count() > 1 {
             return Err(CliError::bad_input(
                 "- is stdin, which can be read only once; expected it as a single input",
@@ -149,6 +150,7 @@ impl<'a> Files<'a> {
         }
         let on_stdout = self.outputs.iter().filter(|(_, path)| is_standard_stream(path)).count();
         let is_result = !self.form.is_text();
+        // The report in another form than text is itself a result on stdout.
         if on_stdout + usize::from(is_result && on_stdout > 0) > 1 {
             let help = if is_result { "the report goes to stdout too" } else { "give the other outputs names" };
             return Err(CliError::bad_input("- is stdout, which takes a single output; expected it once", Some(help)));
@@ -156,6 +158,7 @@ impl<'a> Files<'a> {
         let mut seen: Vec<PathBuf> =
             self.inputs.iter().filter(|path| !is_standard_stream(path)).map(|path| resolved(path)).collect();
         let files = self.outputs.iter().filter(|(_, path)| !is_standard_stream(path));
+        // The file that a name leads to counts: a link and its target are one file.
         for &(_, path) in files.clone() {
             if seen.contains(&resolved(path)) {
                 let sentence = format_args!("{} is named for two files", path.display()).to_string();

@@ -90,6 +90,7 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError>
         Some(path) => read_game(path)?,
         None => first_game(arguments)?,
     };
+    // The game is loaded once, so that a page is not written for one that no browser can begin.
     game.load()?;
     let inputs = arguments.game.iter().chain(&arguments.module).map(PathBuf::as_path).collect();
     Files { inputs, outputs: vec![(Format::Html, out)], ..Files::default() }.check()?;
@@ -98,6 +99,7 @@ pub fn run(arguments: &PageArguments, quiet: bool) -> Result<ExitCode, CliError>
         None => PackedModule::from_page(SHIPPED_PAGE).expect("tests look for the module"),
     };
     let setup = serde_json::to_string(&game).expect("names and numbers are JSON");
+    // The run is simulated now, so the page has something to show before its reader has chosen a game.
     let opening = load(OPENING, &OPENING_CHANGES.map(str::to_owned))?;
     let opening =
         wildfire_sim::run(&opening, OPENING_SEED).map_err(|error| CliError::run_failed(error.to_string()))?.timeline;

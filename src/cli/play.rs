@@ -47,6 +47,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     let shown = shown_runs(&arguments.show, Searches::Recorded, context)?;
     let runs = shown.into_iter().map(|shown| {
         let run = shown.run.into_view();
+        // A source of one run has nothing else to load, and the window then shows no choice of seeds.
         let loader: Option<Box<dyn RunLoader>> = match shown.source {
             source if source.has_one_run() => None,
             source => Some(Box::new(source)),
@@ -87,6 +88,7 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     check_grounds(&runs)?;
     let setting = &runs[0].timeline().setting;
     let name = format!("wildfire-{}-seed-{}.html", file_name_of(runs[0].title()), setting.seed);
+    // It lies in the folder for temporary files, under a name of its own: the same run replaces its own page only.
     let path = std::env::temp_dir().join(name);
     let options = look(&arguments.show, &runs)?;
     let time = time_within("--at", arguments.at, &runs, context.quiet)?;
@@ -104,6 +106,7 @@ fn open_in_browser(path: &std::path::Path) -> bool {
     use std::env::var_os;
     use std::process::{Command, Stdio};
 
+    // Without a display `xdg-open` may start a browser within the terminal.
     let has_display = cfg!(any(windows, target_os = "macos"))
         || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| var_os(name).is_some_and(|value| !value.is_empty()));
     let opener = if cfg!(windows) {

@@ -84,12 +84,15 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
         Some(path) => {
             let game = read_game(path)?;
             let unanswered = Unanswered::default();
+            // A game brings its own scenario, seed and answers.
             options.policies = game.replayed(&unanswered);
             (game.load()?.scenario, game.seed, Some((path, unanswered)))
         }
     };
+    // Programs of the scenario start with the run, so that consent comes before.
     context.expect_trusted(&scenario)?;
     context.note_doubts([&scenario]);
+    // Names of files are checked before the run, which may take minutes.
     let (outputs, stream) = RunOutputs::checked(arguments, &scenario, seed)?;
     let (row, timeline) = run_once(&scenario, seed, &options)?;
     if let Some((path, question)) = replay.and_then(|(path, unanswered)| Some((path, unanswered.take()?))) {
@@ -142,6 +145,7 @@ impl<'a> RunOutputs<'a> {
             let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(CliError::bad_input(sentence, None));
         }
+        // An agent that the scenario does not have would give an empty trace after a whole run.
         check_agents("--agent", &arguments.agents, scenario)?;
         let recording = arguments.out.as_deref().map(|path| recording_path(path, scenario, seed));
         let inputs = vec![arguments.answers.as_deref().unwrap_or(Path::new(&arguments.scenario.source))];
@@ -164,6 +168,7 @@ impl<'a> RunOutputs<'a> {
             let sampling = Sampling::new(timeline, self.step_s, self.agents);
             (path, write_export(path, |to| write_trace(timeline, &sampling?, to)))
         });
+        // A full disk for one file is no reason to lose the others.
         let mut all = Ok(());
         for (path, written) in [recording, events, trace].into_iter().flatten() {
             if written.is_ok() {

@@ -232,6 +232,7 @@ pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<Exi
         write_sketch(&loaded.scenario, path)?;
         note_written(path, context.quiet);
     }
+    // The explanation is printed nevertheless, since its list of memory shows what to change.
     match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
         Ok(_) => Ok(ExitCode::SUCCESS),
         Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),
@@ -335,14 +336,17 @@ fn scenario_template() -> String {
 /// that its comments say what the map is.
 fn scenario_from_map(map: &Path, options: &MapArguments, file: Option<&Path>, quiet: bool) -> Result<String, CliError> {
     let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
+    // The map's path is written as seen from the file, so both can be moved together.
     let from_folder = relative_path(map, folder)?;
     let field = field_table(&from_folder.to_string_lossy(), options);
     let source = file.unwrap_or(Path::new("scenario.toml"));
     let stem = map.file_stem().unwrap_or_default().to_string_lossy();
     let name: String = visible(&stem).chars().take(100).collect();
     let head = format!("name = {}\n\n{field}", toml::Value::from(name));
+    // Agents without a start get the usual places on this field, and the file spells them out below.
     let draft = format!("{head}\n[[wumpus]]\n\n[[unimog]]\n");
     let draft = ScenarioText::from_bytes(&source.to_string_lossy(), Ok(draft.into_bytes()))?;
+    // The draft is loaded once, so that what is written is known to run.
     let scenario = LoadedScenario::from_text(&draft, &[])?.scenario;
     if !quiet {
         let of_map =
@@ -419,6 +423,7 @@ fn relative_path(file: &Path, folder: &Path) -> Result<PathBuf, CliError> {
     let folder = canonical(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
     let file = canonical(file)?;
     let shared = file.components().zip(folder.components()).take_while(|(one, other)| one == other).count();
+    // On Windows, paths on two drives share nothing, and no relative path leads from one to the other.
     if shared == 0 {
         return Ok(file);
     }
@@ -437,6 +442,7 @@ fn parse_cell(text: &str) -> Result<f64, String> {
 /// Writes a new file.
 fn write_new(path: &Path, format: Format, text: &str) -> Result<(), CliError> {
     Files { outputs: vec![(format, path)], ..Files::default() }.check()?;
+    // `create_new` also refuses a file that appears after the check.
     let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
     written.map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => {

@@ -95,6 +95,7 @@ pub fn run(
         polish: arguments.polish.unwrap_or(default.polish),
         ..default
     };
+    // This comes before planning, which may take hours.
     if let Some(folder) = &arguments.yaml {
         expect_room_for_solutions(folder, &inputs)?;
     }
@@ -162,11 +163,13 @@ fn instances(named: &[PathBuf]) -> Result<Vec<(PathBuf, PathBuf)>, CliError> {
 /// Adds the instances of a folder and of those in it, by their names; links to folders are not followed.
 fn add_folder(folder: &Path, place: &Path, depth: usize, found: &mut Vec<(PathBuf, PathBuf)>) -> io::Result<()> {
     let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    // Files go by name, as folders list them in an order of their own and rows must be in the same one everywhere.
     entries.sort_by_key(fs::DirEntry::file_name);
     for entry in entries {
         let path = entry.path();
         let place = place.join(entry.file_name());
         if entry.file_type()?.is_dir() {
+            // The depth is bounded, since folders may be nested without end.
             if depth < DEEPEST {
                 add_folder(&path, &place, depth + 1, found)?;
             }

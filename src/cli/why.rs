@@ -94,6 +94,7 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
     limit_threads(jobs_or_all(arguments.jobs));
     let source = source_of_runs(name, overrides, arguments.run.memory.memory, context)?;
+    // Without a seed a folder of a batch means all of its runs.
     if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.run.seed) {
         context.expect_trusted_plan(batch.plan())?;
         batch.plan().variants.iter().try_for_each(|it| check_agents("--agent", &arguments.agents, &it.scenario))?;
@@ -112,6 +113,7 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
         selection(arguments).judge(scenario, arguments.run.seed.unwrap_or(1), &options, |judging| match judging {
             JudgeProgress::Begins { decisions } => {
                 let decisions = decisions as u64;
+                // Rounds follow one another, and how many decisions the next one has is known only when it begins.
                 progress.expect(started.fetch_add(decisions, Ordering::Relaxed) + decisions);
             }
             JudgeProgress::Played => progress.advance(),

@@ -110,11 +110,13 @@ impl StopRequest {
         let margin = self.equivalent.unwrap_or(0.0);
         let usual = self.metric.as_deref().unwrap_or(USUAL_METRIC);
         let (metric, goal) = match &self.until {
+            // With one variant there is no pair to decide on.
             Until::Decided if plan.variants.len() == 1 => return Err(StopError::OneVariant { until: "decided" }),
             Until::Groups if plan.entries().len() == 1 => return Err(StopError::OneEntry),
             _ if plan.variants.len() > MAX_COMPARED => return Err(StopError::TooMany { count: plan.variants.len() }),
             Until::Decided => (usual, StoppingGoal::Decided { margin }),
             Until::Groups => (usual, StoppingGoal::Groups { margin }),
+            // A width is about the metric that `--until` names, so a second one contradicts it.
             Until::Within { .. } if self.metric.is_some() || self.equivalent.is_some() => {
                 return Err(StopError::NotDecided);
             }
@@ -306,6 +308,7 @@ impl Monitor {
             StoppingGoal::Groups { margin } => self.look_at_groups(margin),
             _ => {
                 let estimates: Vec<_> = self.estimates.iter().map(|&of| self.estimate(of, &self.values)).collect();
+                // A variant plays on if any open question needs it, even where its other questions are settled.
                 self.is_active.fill(false);
                 for estimate in estimates.iter().filter(|estimate| !estimate.is_settled) {
                     match estimate.of {
@@ -331,6 +334,7 @@ impl Monitor {
         let firsts: Vec<usize> = self.entries.iter().map(|variants| variants[0]).collect();
         let active = firsts.iter().copied().filter(|&first| self.is_active[first]);
         let means: Vec<f64> = values.iter().map(|values| Series::from_values(values).mean().unwrap_or(0.0)).collect();
+        // Only those that play on are compared: an entry that was dropped has fewer seeds, and its mean is of others.
         let best = active.min_by(|&one, &other| better.best_first(means[one], means[other])).expect("one is the best");
         let others = firsts.into_iter().filter(|&first| first != best);
         let mut estimates: Vec<_> = others
@@ -346,6 +350,7 @@ impl Monitor {
             estimate.is_worse = !self.is_active[second];
             estimate.is_settled |= estimate.is_worse;
         }
+        // One entry is left, or all that are left are equal within the margin.
         if estimates.iter().all(|estimate| estimate.is_settled) {
             self.is_active.fill(false);
         }
@@ -378,9 +383,11 @@ impl Monitor {
             }
         };
         let seeds = values.len() as u64;
+        // Pairs are formed before missing values go, or the values of one seed would meet those of another.
         let values: Vec<f64> = values.into_iter().filter(|value| !value.is_nan()).collect();
         let series = Series::from_values(&values);
         let interval = sequence_interval(&series, self.alpha);
+        // The sequence holds asymptotically; of few or skewed numbers its first intervals are too narrow.
         let is_early = first_look(&values).is_none_or(|first| values.len() < first);
         let is_settled = !is_early
             && interval.is_some_and(|interval| match self.rule.goal {
@@ -442,6 +449,7 @@ impl Batch {
             for variant in active.collect::<Vec<_>>() {
                 for seed in played..seeds.min(self.plan().seeds_of(variant)) {
                     let row = rows.row(self.plan().number(RunPlace { variant, seed }))?;
+                    // A run without a value keeps its place, so all variants have the same seed at the same index.
                     monitor.add(variant, metric.value(&RunRecord::from_row(&row)).unwrap_or(f64::NAN));
                 }
             }
@@ -450,6 +458,7 @@ impl Batch {
             on_look(&look);
             if look.is_over() || played == max_seeds {
                 let played = monitor.played();
+                // A batch that played all of its seeds is a whole batch already, and its files stay as they are.
                 let batch = if played == self.plan().played() { self } else { self.shorten(&played)? };
                 return Ok(PlayedBatch { batch, look: Some(look) });
             }

@@ -122,6 +122,7 @@ impl InstanceAnswer {
         };
         let mut effort = RepairEffort::default();
         let found = plan(instance, settings, &mut is_stopped, &mut effort);
+        // The time since the planner's last question belongs to it too.
         is_stopped();
         let cpu_s = spent.as_secs_f64();
         let solution = found.as_ref().ok().map(|routes| write_solution(instance, routes, cpu_s));
@@ -136,6 +137,7 @@ impl InstanceAnswer {
         };
         let status = match found {
             Ok(_) => "solved",
+            // Vehicles whose starts touch have no solution either, whatever plans for them.
             Err(Unsolved::Blocked { .. } | Unsolved::Crowded { .. }) => "blocked",
             Err(_) => "unsolved",
         };
@@ -207,6 +209,7 @@ impl Summary {
         let blocked = having("blocked");
         let solved = having("solved");
         let judged = rows.len() - blocked;
+        // An instance without a solution is refused at once, which would lower the median.
         let cpu = |row: &InstanceRow| (row.status != "blocked").then_some(row.cpu_s);
         Self {
             maps,

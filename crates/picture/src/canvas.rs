@@ -117,6 +117,7 @@ impl Canvas {
         let height = self.height() as usize;
         let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
         let (left, right) = (place(left, width), place(right, width).max(place(left, width)));
+        // Weights are in 256 parts, so a shift takes the place of a division for every channel of every pixel.
         let weight = (256.0 * ink.opacity) as i32;
         for row in place(top, height)..place(bottom, height) {
             for pixel in &mut self.row_from(left, row)[..right - left] {
@@ -202,6 +203,7 @@ impl Canvas {
         while from + 1 < points.len() {
             let to = (from + STROKED_AT_ONCE).min(points.len() - 1);
             self.stroke(open(&points[from..=to]), width, colour);
+            // Pieces share a point, where their round ends hide the joint.
             from = to;
         }
     }
@@ -252,6 +254,7 @@ impl Canvas {
 
     /// Returns the sheet at half the size: the mean of each square of four pixels.
     pub fn halved(self) -> Self {
+        // An odd last row or column is dropped, as it has no partner to be averaged with.
         let width = self.pixels.width() / 2;
         let height = self.pixels.height() / 2;
         let mut half = Self::new(width, height, PAPER);
@@ -302,6 +305,7 @@ impl Canvas {
     /// Lays another sheet over this one, its upper left corner at a place that may be outside.
     pub fn lay_over(&mut self, other: &Self, (left, top): (i32, i32)) {
         let within = |at: i32, length: u32, room: u32| {
+            // The sum takes 64 bits, as a corner far outside plus a length may not fit into 32.
             let first = i64::from(at);
             let last = i64::from(at) + i64::from(length);
             (first.clamp(0, room.into()) as usize, last.clamp(0, room.into()) as usize)

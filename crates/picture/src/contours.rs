@@ -55,6 +55,7 @@ fn cross_square(
     piece: &mut impl FnMut(SquareSide, SquareSide),
 ) {
     let corners = [(row, col), (row, col + 1), (row + 1, col + 1), (row + 1, col)].map(|place| values[place]);
+    // Where fire never came there is no value to interpolate, and the line ends at that square.
     if !corners.iter().all(|corner| corner.is_finite()) {
         return;
     }

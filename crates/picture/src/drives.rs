@@ -59,6 +59,7 @@ pub fn draw_drives(scene: &DriveScene) -> Picture {
             draw_run(&mut canvas, &points, WIDTH + WIDER * index as f32, colour(index), run.is_reverse);
         }
     }
+    // Cusps come after all paths, since one may lie under another path.
     for run in lines.iter().flatten().flat_map(|runs| runs.iter().skip(1)) {
         draw_cusp(&mut canvas, frame.at(run.places[0]));
     }

@@ -131,6 +131,7 @@ impl<'a> Plate<'a> {
         let unit = (width.max(height) / USUAL_LENGTH).max(1.0);
         let numbers = |count: usize| measure_text(&count.saturating_sub(1).to_string(), TEXT) * unit;
         let row_name = measure_text(ROWS, TEXT * unit);
+        // Numbers of columns are centred on their cells, so half of the widest may stick out at the sides.
         let row_room = numbers(rows).max(0.5 * numbers(cols)).max(row_name - OVERHANG * unit);
         let left = (MARGIN * unit + row_room + OVERHANG * unit).ceil();
         let legend_at = (left + width + (OVERHANG + GAP) * unit + 0.5 * numbers(cols)).ceil();
@@ -285,6 +286,7 @@ impl<'a> Plate<'a> {
     pub fn draw_marks(&mut self) {
         let cell = self.zoom.cell();
         let radius = (0.32 * cell).clamp(5.5 * self.unit, 11.0 * self.unit);
+        // They go in reverse, so that where marks share a cell, the start and the goal lie over the local minimum.
         for (mark, place) in scene_marks(self.scene).rev() {
             let at = self.centre(place);
             mark.draw(&mut self.canvas, at, radius);
@@ -361,6 +363,7 @@ fn draw_overlaid_zones(scene: &MapScene, zones: &Zones, grey: Option<&Grid<u8>>)
     let present = present_zones(scene, zones);
     let colour = |zone: usize| ZONES[zone % ZONES.len()];
     let names = zones.names.iter().enumerate().filter(|&(zone, _)| present[zone]);
+    // Colours are blended as on the map, or the key would show some that the map does not have.
     let names = names.map(|(zone, name)| (Symbol::Cell(blend(PAPER, colour(zone), OPACITY)), *name));
     let legend = Legend { values: None, key: obstacle_key(scene).chain(names).chain(marks_key(scene)).collect() };
     paint_over(scene, &legend, grey, &|block, _| {

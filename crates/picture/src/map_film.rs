@@ -44,6 +44,7 @@ pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::
     let bare = Plate::with_zoom(scene, &legend, zoom);
     let last = growth.steps.clamp(1, MAX_FRAMES);
     let paint = |frame: usize| {
+        // The numbers are whole, so the last frame has all steps.
         let done = growth.steps * frame / last;
         let mut plate = bare.clone();
         plate.paint(&|block| {
@@ -67,6 +68,7 @@ pub fn write_map_film(scene: &MapScene, growth: &MapGrowth, path: &Path) -> io::
         plate
     };
     let mut counts = ColourCounts::default();
+    // Three frames have nearly all colours; counting those of every frame would draw the film twice.
     [0, last / 2, last].into_iter().for_each(|frame| counts.add(paint(frame).bytes()));
     let mut film = GifFilm::create(path, bare.size(), counts.palette())?;
     for frame in 0..=last {

@@ -43,8 +43,10 @@ pub fn draw_map_sheet(sheet: &MapSheet) -> Picture {
     let first = &sheet.panels[0].scene;
     let zoom = Zoom::fit_to(first.occupied.rows(), first.occupied.cols(), PANEL, LONGEST_PANEL);
     let values = sheet.panels.iter().flat_map(|panel| panel.scene.free_values());
+    // All panels share one scale, or equal colours would mean different values.
     let scale = ValueScale::from_values(values, first.colours);
     let mut entries = Vec::new();
+    // Panels may lack marks that others have; the key has each once.
     for entry in sheet.panels.iter().flat_map(|panel| key(&panel.scene)) {
         if !entries.contains(&entry) {
             entries.push(entry);

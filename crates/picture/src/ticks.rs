@@ -21,10 +21,12 @@ pub struct Tick {
 /// Values from `low` to `high` in steps of 1, 2 or 5 times a power of ten, but at least `min`, so that there are
 /// about `max` or fewer; the only value if `low` and `high` are equal.
 pub fn ticks(low: f64, high: f64, max: usize, min: f64) -> Vec<Tick> {
+    // The division comes before the subtraction, as the range itself may overflow.
     let step = round_step((high / max as f64 - low / max as f64).max(min));
     let first = (low / step - ROUNDING).ceil();
     let last = (high / step + ROUNDING).floor();
     let largest = low.abs().max(high.abs());
+    // Ticks of 1 at a value of 1e9 differ in digits that no label shows.
     let is_readable = step > 0.0 && step.is_finite() && exponent(largest) - exponent(step) < MAX_DIGITS;
     if !is_readable || last <= first {
         return ends(low, high);
@@ -36,6 +38,7 @@ pub fn ticks(low: f64, high: f64, max: usize, min: f64) -> Vec<Tick> {
         ticks.push(Tick { value: value.clamp(low, high), label: label(value, step, largest) });
         index += 1.0;
     }
+    // The count is bounded too, since rounding may let one more value in.
     ticks
 }
 
@@ -60,6 +63,7 @@ pub fn log_ticks(low: f64, high: f64, max: usize) -> Vec<Tick> {
     let last = high.ceil() as i32;
     let within = |tick: &Tick| (low - ROUNDING..=high + ROUNDING).contains(&tick.value);
     let tick = |power: i32, (aside, factor): (f64, u8)| {
+        // The digits are parsed, as a product with a power of ten would differ in its last digit from the printed number.
         let number: f64 = format!("{factor}e{power}").parse().expect("a number");
         Tick { value: f64::from(power) + aside, label: shortest(number) }
     };

@@ -42,6 +42,7 @@ struct VehicleSketch {
 /// Draws the vehicle at full steering to the left, its turning centre and dimensions, and the equations of its motion.
 pub fn draw_vehicle(title: &str, vehicle: &Dimensions) -> Drawing {
     let &Dimensions { length_m, width_m, wheelbase_m, rear_overhang_m, turning_radius_m, .. } = vehicle;
+    // A centre that is far away would leave hardly any room for the vehicle, as all is to scale.
     let has_centre = turning_radius_m <= FARTHEST_CENTRE * length_m;
     let radius_m = if has_centre { turning_radius_m } else { 0.6 * FARTHEST_CENTRE * length_m };
     let steering = vehicle.max_steering_rad();

@@ -46,6 +46,7 @@ impl WorldFrame {
         for (x, y) in places {
             (low, high) = ((low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y)));
         }
+        // A path that goes straight has no width, and a point no extent at all.
         let longer = (high.0 - low.0).max(high.1 - low.1).max(min_m);
         let half = |low: f64, high: f64| 0.5 * (high - low).max(SLENDEREST * longer) + RIM * longer;
         let centre_x = 0.5 * (low.0 + high.0);

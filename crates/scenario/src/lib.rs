@@ -196,6 +196,7 @@ impl Scenario {
     pub fn with_conduct_of(&self, other: &Self) -> Self {
         let wumpus = |(this, other): (&Wumpus, &Wumpus)| Wumpus { goal: other.goal.clone(), ..this.clone() };
         let unimog = |(this, other): (&Unimog, &Unimog)| {
+            // What a truck is cannot change on its way; what it plans by can.
             let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = this.clone();
             Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
         };
@@ -232,6 +233,7 @@ impl Scenario {
     fn check_values(&self) -> Check {
         check_name("name", &self.name)?;
         let top = TablePath::named("");
+        // The field comes first, as the frame of one that was not checked may have billions of cells.
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
         top.settings(self, &frame)?;

@@ -108,6 +108,7 @@ impl FromStr for MemoryLimit {
 
 /// Writes a number of bytes for people: three digits and a unit.
 pub fn bytes_text(bytes: u64) -> String {
+    // From 999,500 on, three digits would read 1000 kB.
     let (divisor, unit) = match bytes {
         0..1_000 => return format!("{bytes} B"),
         1_000..999_500 => (1e3, "kB"),
@@ -160,6 +161,7 @@ impl MemoryEstimate {
         let frame = scenario.field.frame();
         let bushes = match &scenario.field.imported {
             Some(imported) => imported.occupied.values().iter().filter(|&&occupied| occupied).count() as u64,
+            // A piece has four cells; pieces that find no room make the true number smaller.
             None => 4 * u64::from(scenario.field.wanted_pieces()),
         };
         let field = FieldMeasures { frame, bushes };
@@ -180,6 +182,7 @@ impl MemoryEstimate {
             let truck = Unimog { planner: planner.clone(), ..problem.truck.clone() };
             Self::add_up(fixed, laying, [vec![truck].memory(&field, 0.0)])
         });
+        // Planners are built one after the other, so the largest counts and not the sum.
         by_planner.max_by_key(Self::needed).unwrap_or_else(|| Self::add_up(fixed, laying, []))
     }
 
@@ -209,6 +212,7 @@ impl MemoryEstimate {
     pub fn meter(&self, limit: MemoryLimit) -> Result<MemoryMeter, MemoryExceeded> {
         let needed = self.needed();
         if needed <= limit.bytes {
+            // The meter counts floods as they grow, so they are not taken off its limit once more.
             return Ok(MemoryMeter::new(limit.bytes - (needed - self.counted)));
         }
         let largest = self.parts.iter().max_by_key(|part| part.bytes).expect("the program is a part");

@@ -29,6 +29,7 @@ pub struct Controls<'w> {
 
 impl Controls<'_> {
     pub fn apply_command(&mut self, command: KeyCommand) {
+        // A viewer who plays on while runs are simulated still reads that they are on their way.
         if !self.runs.is_waiting() {
             self.viewer.message = None;
         }
@@ -105,6 +106,7 @@ impl Controls<'_> {
         if self.viewer.options.follows.is_none() {
             return self.viewer.options.camera;
         }
+        // What follows an agent is worked out for each frame, so it is read back; a drag would else jump to the old camera.
         let run = self.runs.runs()[0];
         let frame = self.frame(0);
         let pane = self.pane(0);

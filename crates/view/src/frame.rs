@@ -30,6 +30,7 @@ pub struct PlayerPlugin;
 
 impl Plugin for PlayerPlugin {
     fn build(&self, app: &mut App) {
+        // Each remembers when it was last evaluated: one that is passed over would report an old change and draw a frame twice.
         let anything_changed = resource_exists_and_changed::<Player>
             .or_eager(resource_exists_and_changed::<Viewer>)
             .or_eager(resource_exists_and_changed::<RunSet>)
@@ -69,6 +70,7 @@ fn receive_runs(mut runs: ResMut<RunSet>, mut player: ResMut<Player>, mut viewer
         Some(Err(reason)) => viewer.message = Some(reason),
         Some(Ok(step)) => {
             viewer.message = None;
+            // A seed has bushes of its own, so what was picked in the old run need not exist in the new one.
             viewer.options.selected = None;
             player.change_end(runs.end());
             if step == SeedStep::Rerun {

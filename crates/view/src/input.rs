@@ -28,6 +28,7 @@ pub fn read_input(
                 None
             }
             WindowEvent::KeyboardFocusLost(_) => {
+                // Whoever has the focus by then gets the release of the key, and shift would stay down here.
                 *is_shifted = false;
                 None
             }

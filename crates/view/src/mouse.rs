@@ -47,10 +47,12 @@ impl Mouse {
         let before = std::mem::replace(&mut self.at, at);
         match &mut self.grab {
             None => None,
+            // With the height of the press the timeline keeps hold of a mouse that strays above or below it.
             Some(Grab::Timeline { y }) => scrub((at.0, *y), layout),
             Some(Grab::Field { is_dragged: true, .. }) => Some(Gesture::Pan(between(before, at))),
             Some(Grab::Field { pressed, is_dragged }) => {
                 *is_dragged = !is_near(*pressed, at);
+                // The way counts from the press and not from the last place, so the field stays under the mouse.
                 is_dragged.then(|| Gesture::Pan(between(*pressed, at)))
             }
         }
@@ -90,6 +92,7 @@ impl Mouse {
 fn scrub((x, y): At, layout: &FrameLayout) -> Option<Gesture> {
     let left = f64::from(layout.chart.left);
     let right = f64::from(layout.chart.right());
+    // The right edge itself is outside of the chart.
     match layout.place_at((x.clamp(left, right - 1.0), y)) {
         FramePart::Timeline { share } => Some(Gesture::Scrub(share)),
         _ => None,

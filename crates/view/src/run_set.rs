@@ -81,6 +81,7 @@ impl RunSet {
     /// # Errors
     /// A sentence that says why there are no other runs.
     pub fn request(&mut self, step: SeedStep) -> Result<String, String> {
+        // A second request would take the place of the first, whose runs nobody would then receive.
         if self.is_waiting() {
             return Err("the run requested before is not ready yet".into());
         }
@@ -102,6 +103,7 @@ impl RunSet {
     /// # Errors
     /// A sentence that says why they do not come; the present runs stay.
     pub fn receive(&mut self) -> Option<Result<SeedStep, String>> {
+        // Joining a thread that still works would freeze the window.
         let (step, thread) = self.pending.take_if(|(_, thread)| thread.is_finished())?;
         let runs = thread.join().unwrap_or_else(|_| Err("the simulation crashed, which is a bug".into()));
         Some(runs.map(|runs| {

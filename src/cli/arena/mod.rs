@@ -249,6 +249,7 @@ impl ArenaStage {
         numbers: &[u64],
         progress: &Progress,
     ) -> Result<Vec<Played>, CliError> {
+        // A plan of somebody else's entry may start programs, which needs the user's consent before the first run.
         self.context.expect_trusted_plan(plan)?;
         // One pool for all runs, so that a module is compiled once.
         let pool = ProgramPool::new(self.context.trust());
@@ -273,6 +274,7 @@ fn seeds_of(track: &Track, which: &str) -> Result<Seeds, CliError> {
         file => input_file::read_text(Path::new(file), MAX_SEEDS_BYTES)
             .map_err(|error| CliError::unreadable(Path::new(file), &error))?,
     };
+    // The hash was published before the season: any other list may have been chosen after the results were known.
     if !track.is_hidden_list(&text) {
         let sentence = format!(
             "{which} is not the list to which the track `{}` committed itself: expected SHA-256 {}",
@@ -295,6 +297,7 @@ fn add_to_board(arguments: &ArenaRunArguments, stage: &ArenaStage) -> Result<Exi
     for entry in &entries {
         for track in tracks_of(entry, &selected)? {
             let plan = ArenaEntry::plan(std::slice::from_ref(entry), track, seeds_of(track, &arguments.seeds)?)?;
+            // Consent is asked for before any run, so a board is not left half played for want of `--trust`.
             stage.context.expect_trusted_plan(&plan)?;
             work.push((entry, track, plan));
         }
@@ -338,6 +341,7 @@ fn rank(arguments: &ArenaRankArguments) -> Result<ExitCode, CliError> {
         let sentence = format!("{} has no rows; expected the folder of a board", arguments.board.display());
         return Err(CliError::bad_input(sentence, Some("wildfire arena run ENTRY adds the rows of an entry")));
     }
+    // The board is published only after all tracks were ranked, so an error leaves the old one whole.
     boards.iter().try_for_each(|it| board.publish(it))?;
     board.publish_card()?;
     let all = || {
@@ -382,12 +386,15 @@ fn replay(
             ));
             return Ok(());
         };
+        // Runs of a plan are numbered from 1, all seeds of a variant after one another.
         numbers.insert(variant as u64 * plan.seeds.count() + seed, *row);
     }
     let played = stage.play(track, plan, &numbers.keys().copied().collect::<Vec<_>>(), progress)?;
     let is_timed = plan.variants.iter().any(|variant| variant.scenario.needs_trust());
+    // The map is in the order of run numbers, which is that of `played`.
     for (row, Played { row: again, violation, message, is_not_started, .. }) in numbers.values().zip(played) {
         let difference = row.difference(&again);
+        // Only programs depend on the machine; a module that does not start is a difference.
         if is_timed && is_not_started && difference.is_some() {
             replayed.not_started.entry(again.entry).or_insert((message, 0)).1 += 1;
             continue;
@@ -424,6 +431,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &ArenaStage) -> Result<ExitC
     let mut left_out = Vec::new();
     for track in &tracks {
         let rows = board.whole_rows(track)?;
+        // Rows are sampled at equal distances and not at random, so that two people check the same ones.
         let step = 1.0 / arguments.sample;
         let sampled: Vec<ArenaRow> = (0..)
             .map(|place| (f64::from(place) * step) as usize)
@@ -439,6 +447,7 @@ fn recompute(arguments: &RecomputeArguments, stage: &ArenaStage) -> Result<ExitC
             let plan = ArenaEntry::plan(&[board.entry(&name)?], track, seeds.expect("there is a row"))?;
             match stage.context.expect_trusted_plan(&plan) {
                 Ok(()) => work.push((track, plan, rows)),
+                // Without trust the rows of programs are left out and named, and the rest is still checked.
                 Err(error) => left_out.push((name, error)),
             }
         }
@@ -486,6 +495,7 @@ fn verify(arguments: &VerifyArguments, stage: &ArenaStage) -> Result<ExitCode, C
         let max = arguments.seeds.map_or(usize::MAX, NonZeroUsize::get);
         let first: Vec<String> = seeds.iter().take(max).map(|seed| seed.to_string()).collect();
         let seeds = Seeds::from_file_text(&first.join("\n")).expect("some of a list");
+        // There must be as many rows as runs: a frozen table with a row missing would otherwise pass unseen.
         let plan = track.golden_plan(seeds)?;
         let played: std::collections::BTreeSet<u64> = plan.seeds.iter().collect();
         let rows: Vec<ArenaRow> = track.golden().into_iter().filter(|row| played.contains(&row.seed)).collect();
@@ -515,12 +525,14 @@ fn submit_check(arguments: &SubmitArguments, stage: &ArenaStage) -> Result<ExitC
         let progress = stage.progress(plan.count());
         // All other seeds of an entry that cannot answer would take as long as its first one.
         let is_of_first = |number: &u64| (number - 1).is_multiple_of(plan.seeds.count());
+        // One seed is tried under every condition, since an entry may fail under one of them only.
         let (of_first, others): (Vec<u64>, Vec<u64>) = (1..=plan.count()).partition(is_of_first);
         let mut stopwatch = WallStopwatch::start();
         let mut played = stage.play(track, &plan, &of_first, &progress)?;
         let mut timed = of_first.len();
         let cut_short = total_failure(&played);
         if cut_short.is_none() {
+            // Runs of the first seed also compile modules, so they are left out of the estimate.
             (stopwatch, timed) = (WallStopwatch::start(), others.len());
             played.extend(stage.play(track, &plan, &others, &progress)?);
         }

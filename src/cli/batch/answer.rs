@@ -119,6 +119,7 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport, lo
     let path = shell_word(&folder.path().display().to_string());
     let (title, tables, sentences) = match report.variants.as_slice() {
         [one] => (format!("{}, seeds {}", one.title, plan.seeds), one.tables.blocks(), one.tally.sentences()),
+        // One variant shows its own tables; several are compared in an overview.
         _ => {
             let sentences = report.notes().into_iter().chain(report.failure_sentences()).collect();
             // Variants that stopped before others have the first of them.

@@ -112,6 +112,7 @@ fn parse_wait(text: &str) -> Result<f64, String> {
 
 /// Writes the tables of a batch whose slices were run one by one.
 pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliError> {
+    // A merge leaves the journals as they are, so that it can be repeated after a signal.
     interrupt::set_resumable();
     let folder = OutputFolder::existing(&arguments.folder)?.with_keeping(arguments.lock.keeping());
     let watch = interrupt::watch(interrupt::USUAL_TIDYING);
@@ -123,6 +124,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
             Err(error) => error,
         };
         let goes_on = match &mut waiting {
+            // Waiting only helps where runs are missing; any other error stays.
             Some(waiting) if is_unfinished(&error) => waiting.until_it_is_worth_it(watch.stop())?,
             _ => false,
         };
@@ -130,6 +132,7 @@ pub fn merge(arguments: &MergeArguments, quiet: bool) -> Result<ExitCode, CliErr
             return Err(merge_error(error, &folder, &arguments.lock));
         }
     };
+    // From here on nothing has to be tidied up, and a signal may end the program at once.
     drop(watch);
     if !quiet {
         note_leftovers(&merged.leftovers);
@@ -179,6 +182,7 @@ impl<'a> OthersWait<'a> {
             terminal::note(&format!("waiting for {}", missing_runs_text(missing, &self.number_of_slices())));
         }
         loop {
+            // The patience is counted from the last run that ended, so a slow cluster is waited for while it works.
             if self.since_last_run.elapsed() > self.patience {
                 return Ok(false);
             }
@@ -196,6 +200,7 @@ impl<'a> OthersWait<'a> {
 
     /// Looks for runs that are missing; none if there is no plan or no journal yet.
     fn look(&mut self) -> Result<Option<Vec<MissingRuns>>, BatchError> {
+        // A slice may not have started, so plan and journals are looked for again each time.
         if self.survey.is_none() {
             let plan = match BatchPlan::read(self.folder.path()) {
                 Err(PlanError::Missing { .. }) => return Ok(None),
@@ -243,6 +248,7 @@ fn merge_error(error: BatchError, folder: &OutputFolder, lock: &LockArguments) -
         BatchPlan::read(folder.path()).map_err(BatchError::from).and_then(|plan| JournalScan::new(folder, &plan));
     let missing = survey.and_then(|mut survey| survey.update().map(|_| survey.missing())).unwrap_or_default();
     let command = resume_command(folder.path(), first) + &lock.args();
+    // One slice has one command; several are quicker as an array.
     if missing.len() < 2 {
         return CliError::bad_input(error, Some(&format!("run it with: {command}")));
     }
@@ -304,6 +310,7 @@ fn median_field(
     let median = found.iter().position(|run| run.word == "median").or_else(|| (!found.is_empty()).then_some(0));
     let Some(index) = median else { return Ok(None) };
     let run = batch.plan().run(found[index].number);
+    // It is declared outside of the match, so that a run that is read lives as long as its view.
     let read;
     let view = match views.get(index) {
         Some(view) => view,
@@ -333,6 +340,7 @@ fn write_pages(
     let mut runs = Vec::new();
     for notable in playing {
         let run = batch.plan().run(notable.number);
+        // A recording starts no program.
         if batch.recording(&run).is_none() {
             context.expect_trusted(&run.variant.scenario)?;
         }

@@ -44,6 +44,7 @@ const LISTED_VARIANTS: usize = 50;
 const LISTED_FILES: usize = 10;
 
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    // This comes before anything is read, as a wrong `K/N` is an error of the command line alone.
     let slice = arguments.slice()?;
     let mut left_out = 0;
     let batch = match &arguments.resume {
@@ -100,8 +101,10 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     }
     let resume = resume_command(batch.folder().path(), slice) + &arguments.keeping.args();
     // Every error from here on ends with the command that resumes.
+    // The folder has a plan by now, so every error can be answered by resuming.
     let from_batch = |error| CliError::from_batch_error(error, &resume);
     let jobs = jobs_or_usual(arguments.jobs);
+    // Signals are watched from here on: until now, one leaves nothing that has to be tidied up.
     let watch = interrupt::watch(arguments.keeping.longest_tidying());
     let PlayedBatch { batch, look } = run_with_progress(batch, jobs, watch.stop(), context).map_err(from_batch)?;
     // Tables are those of the whole batch: a slice is merged later.
@@ -113,6 +116,7 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     // Tables are made by as many threads as runs were.
     limit_threads(jobs);
     let report = batch.finish(watch.stop()).map_err(from_batch)?;
+    // Nothing is written any more, so a signal may end the program at once.
     drop(watch);
     let document = || {
         let document = summary(batch.plan(), batch.folder(), &report, look.as_ref());
@@ -141,6 +145,7 @@ fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan
         CourseRefusal::Request(refusal) => refusal.into(),
         CourseRefusal::Agents(faults) => {
             let [first, others @ ..] = &faults[..] else { unreachable!("there is an agent, and it is refused") };
+            // They go in reverse, as the first one is printed last, with the help.
             others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
             let help = if arguments.agent.len() > 1 { Some("--skip-refused runs the other agents") } else { None };
             CliError::bad_input(first, help)
@@ -156,6 +161,7 @@ fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan
 /// Reads the plan of another batch, `plan.json` as it lies in its folder, which says all that decides the runs.
 fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError> {
     let [source] = &arguments.sources[..] else { return Ok(None) };
+    // The ending decides, since a plan file in TOML may have any name.
     if !Path::new(source).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json")) {
         return Ok(None);
     }
@@ -167,6 +173,7 @@ fn frozen_plan(arguments: &BatchArguments) -> Result<Option<BatchPlan>, CliError
         ("--memory", arguments.memory.is_some()),
         ("--until", arguments.until.is_some()),
     ];
+    // A plan that is run again must give the same runs, which any of these options would prevent.
     if let Some((option, _)) = changes.into_iter().find(|(_, is_set)| *is_set) {
         let sentence = format!("{option} would change {source}, the plan of a batch that has run; leave {option} out");
         return Err(CliError::bad_input(sentence, Some("a plan file in TOML can be changed: wildfire new plan")));
@@ -202,6 +209,7 @@ fn request_from(sources: &[String]) -> Result<BatchRequest, CliError> {
     for source in sources {
         let text = ScenarioText::open(source)?;
         match BatchRequest::from_text(&text)? {
+            // A plan file says all by itself; beside other inputs it would be unclear which of its values hold for them.
             Some(request) if sources.len() == 1 => return Ok(request),
             Some(_) => {
                 let sentence = format!("{source} is a plan, which names its scenarios; expected no other inputs");

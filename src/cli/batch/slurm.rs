@@ -58,6 +58,7 @@ pub fn script(arguments: &BatchArguments, plan: &BatchPlan, context: &CommandCon
     let environment = |error| CliError::environment(format_args!("cannot determine the current folder: {error}"));
     let script = Script {
         name: file_name_of(name),
+        // The path is absolute, as a task does not have the shell's PATH for certain.
         program: env::current_exe().map_err(environment)?,
         works_in: env::current_dir().map_err(environment)?,
         folder,

@@ -89,6 +89,7 @@ fn parse_by(text: &str) -> Result<(String, Vec<String>), String> {
     let values: Vec<String> = values.split(',').map(str::to_owned).collect();
     let mut sorted = values.clone();
     sorted.sort();
+    // A value that is given twice would be compared with itself.
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
         Some(pair) => Err(format!("`{}` is given twice; expected values that differ", pair[0])),
         None => Ok((column.to_owned(), values)),
@@ -105,6 +106,7 @@ pub fn run(arguments: &CompareArguments, quiet: bool) -> Result<ExitCode, CliErr
     let form = arguments.form;
     let selection = arguments.selection();
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
+    // The check comes before the comparison, so a file which cannot be written is refused at once.
     let stream = files.check()?;
     match (arguments.with, &arguments.batches[..]) {
         (None, batches) => {

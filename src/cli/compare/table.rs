@@ -32,6 +32,7 @@ pub fn write(path: &Path, comparison: &Comparison) -> io::Result<()> {
                 difference: contrast.difference,
                 low,
                 high,
+                // It is a share of the size, so that the sign is that of the difference even where A's mean is negative.
                 percent_of_a: (mean_a != 0.0).then(|| 100.0 * contrast.difference / mean_a.abs()),
                 p_adjusted: judged.p_adjusted,
                 p_method: contrast.p_method.name(),

@@ -136,6 +136,7 @@ fn report_curves(from: End, to: End, arguments: &CurveArguments, quiet: bool) ->
     let files = Files { form: arguments.form, ..Files::default() };
     let stream = files.writing([(Format::Csv, &arguments.csv), (Format::Png, &arguments.png)]).check()?;
     let report = CurveReport::new(from, to, arguments.radius, arguments.price());
+    // The step is checked before anything is printed, so one that is too fine leaves no half of an answer.
     if arguments.csv.is_some() {
         tables::check_samples(&report.curves, arguments.step)?;
     }

@@ -227,6 +227,7 @@ impl CurveReport {
             start: self.from.pose(),
             goal: self.to.pose(),
             ways: &ways,
+            // A truck that turns on a circle within its wheelbase would be drawn where it cannot be.
             body: (radius_m >= truck.wheelbase_m).then_some(&truck),
             min_m: MIN_RADII * radius_m,
         })

@@ -160,10 +160,12 @@ fn azimuths(text: &str) -> Result<Azimuths, String> {
             return Err("expected two azimuths before the three points, such as 0,5,...".to_owned());
         };
         let step = last - before;
+        // Steps that shrink or repeat would go on forever; below 0.1 degrees the limit of 3600 is passed.
         if step.is_nan() || step < 0.1 {
             return Err("expected azimuths that rise by 0.1 degrees or more before the three points".to_owned());
         }
         let more = (1..=*AZIMUTHS.end()).map(|steps| last + step * steps as f64);
+        // A full turn ends before its first azimuth, which would be listed twice; rounding must not let it in.
         degrees.extend(more.take_while(|degrees| degrees - first < 360.0 - 1e-9));
     }
     if !AZIMUTHS.contains(&degrees.len()) {
@@ -221,6 +223,7 @@ impl<'a> BehaviorReport<'a> {
         let options = arguments.choices.options();
         let canopy = arguments.trees.canopy();
         let wind_factor = canopy
+            // Without trees the wind at mid-flame height depends on the depth of the fuel alone.
             .map_or_else(|| unsheltered_adjustment(model.depth_ft), |canopy| canopy.wind_adjustment(model.depth_ft));
         let conditions = Conditions {
             model,
@@ -242,6 +245,7 @@ impl<'a> BehaviorReport<'a> {
                 wind_factor,
                 gradient: conditions.slope.gradient(),
                 options,
+                // Units are exact: those of BEHAVE are rounded, for tables that are compared with it.
                 units: CrownUnits::Exact,
             };
             below.burn()
@@ -300,6 +304,7 @@ impl From<&BehaviorReport<'_>> for Document {
         document.add_list(report.conditions());
         document.add_list(report.remarks());
         if !report.bed.burns() {
+            // A fire without wind and slope is a circle, and has neither head nor back.
             return document;
         }
         let row = |name: &str, azimuth: Option<f64>, rate_mps: f64| {

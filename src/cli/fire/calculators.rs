@@ -95,6 +95,7 @@ pub fn moisture(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
         check_needed(table, numbers, if is_reference { &[1, 2] } else { &[3, 4, 5, 6, 7, 8] })?;
         let [_, temperature, humidity, season, shade, aspect, slope, time, elevation] =
             numbers.map(|number| number as usize);
+        // Both values of `table` have columns of their own, so each is needed for its rows only.
         let site = CorrectionClass { season, shade, aspect, slope, time, elevation };
         let percent = if is_reference { reference_pct(temperature, humidity) } else { site.correction_pct() };
         Ok(percent.expect("the classes are within the tables").to_string())
@@ -123,6 +124,7 @@ pub fn sticks(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
     let columns = Columns { read, row: "the weather of an hour", added };
     let mut sticks = SIZES.map(Stick::new);
     table.answer(columns, quiet, |_, &[temperature_c, humidity, solar_w_m2, rain_cm]| {
+        // The sticks' equations take a logarithm of the humidity, and perfectly dry air has none.
         let air = Air { temperature_c, humidity: humidity.max(0.01), solar_w_m2, rain_cm };
         let answers = sticks.each_mut().map(|stick| {
             stick.advance_hour(&air);
@@ -172,6 +174,7 @@ pub fn contain(arguments: &ContainArguments, quiet: bool) -> Result<(), CliError
         let min_steps = arguments.min_steps;
         let attack = Attack { rate_ch_h, size_acre, length_to_width, tactic, offset_ch, resources, min_steps };
         let Outcome { status, time_min, line_ch, area_acre } = attack.run();
+        // A fire that escapes has no closed line around it.
         let perimeter_ch = if status == Status::Contained { line_ch } else { 0.0 };
         let [free_ch, free_acre] = attack.free_fire();
         Ok(format!("{},{time_min},{line_ch},{perimeter_ch},{area_acre},{free_ch},{free_acre}", status.name()))
@@ -228,6 +231,7 @@ pub fn spotting(table: &TableArguments, quiet: bool) -> Result<(), CliError> {
             numbers;
         let needed: &[usize] = match source {
             0.0 => &[4, 8, 9, 10, 11],
+            // Active crown fires are not computed, but keep their row, so that the table goes on as it was.
             3.0 => return Ok(",".repeat(added.len() - 1)),
             _ => &[4, 7],
         };

@@ -99,6 +99,7 @@ pub fn write_fires(
         if azimuths.is_empty() {
             return Ok(vec![values]);
         }
+        // The fire's own numbers are written once for each azimuth, so every row can be read by itself.
         let along =
             azimuths.iter().map(|azimuth| DIRECTION_COLUMNS.map(|(_, value)| value(&fire, *azimuth).to_string()));
         Ok(along.map(|along| format!("{values},{}", along.join(","))).collect())

@@ -97,6 +97,7 @@ pub fn sentences(fire: &CrownFire) -> Vec<String> {
     let [transition, active] = [fire.transition_ratio(), fire.active_ratio()].map(|ratio| rounded(ratio, 2));
     let intensity = rounded(fire.critical_intensity_kw_m(), 0);
     let rate = rounded(fire.critical_rate_mps() * 60.0, 2);
+    // It is infinite where model 10 does not burn: no wind is enough then.
     let wind = Some(fire.crowning_wind_mps()).filter(|wind| wind.is_finite());
     let wind = wind.map(|wind| format!("; a wind of {} m/s at 20 ft is enough for that", rounded(wind, 2)));
     vec![
@@ -235,6 +236,7 @@ fn answers(fire: &CrownFire) -> String {
 
 /// Reads the conditions of a row; north is upslope.
 fn row(table: &NumberTable<15>, numbers: &[f64; 15]) -> Result<CrownConditions, CliError> {
+    // The last number is that of `waf_input`, which is read as a text.
     let &[number, d1, d10, d100, herb, woody, foliar, wind, toward, slope, cover, height, base, density, _] = numbers;
     let model = fuel_model(table, 0, number)?;
     let [d1, d10, d100, herb, woody] = [d1, d10, d100, herb, woody].map(|percent| percent / 100.0);
@@ -251,6 +253,7 @@ fn row(table: &NumberTable<15>, numbers: &[f64; 15]) -> Result<CrownConditions, 
             .ok_or_else(|| table.refuse(FACTOR, "a number from 0 to 1, or `computed`".to_owned()))?,
     };
     let options = SurfaceOptions {
+        // These are the options of BEHAVE, whose answers these tables are compared with.
         curing: Curing::Behave,
         combine: Combine::Flat,
         wind_limit: WindLimit::None,

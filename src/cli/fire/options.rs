@@ -114,6 +114,7 @@ pub fn moisture(text: &str) -> Result<FuelMoisture, String> {
     let numbers: Vec<Option<f64>> = text
         .split(',')
         .enumerate()
+        // Live fuel holds several times its own weight in water, and dead fuel at most as much as itself.
         .map(|(place, number)| numbers::within(number, if place < 3 { &DEAD_MOISTURES } else { &LIVE_MOISTURES }))
         .collect();
     match numbers[..] {
@@ -170,6 +171,7 @@ pub fn wind_steps(text: &str) -> Result<WindSteps, String> {
         let from = SimTime::from_seconds(seconds);
         match steps.last() {
             None if from > SimTime::ZERO => return Err("expected the first wind at 0 seconds".to_owned()),
+            // Winds at one time would leave open which of them blows.
             Some(before) if before.from >= from => {
                 return Err(format!(
                     "the wind {step:?} does not begin after the previous one; expected increasing seconds"

@@ -68,12 +68,14 @@ struct PoseArc {
 impl PoseArc {
     fn new(from: &TablePose, to: &TablePose) -> Self {
         let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
+        // The chord of an arc has the heading halfway between those of its ends.
         let along = Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction();
         let step = to.pose.position() - from.pose.position();
         let sense = if to.is_reverse { -1.0 } else { 1.0 };
         let ahead_m = Some(sense * step.dot(along)).filter(|ahead_m| ahead_m.abs() > STANDING_M).unwrap_or(0.0);
         let half_turn = 0.5 * turn.abs();
         let is_straight = turn.abs() < STRAIGHT_RAD;
+        // This is the length of an arc over that of its chord; for small turns the quotient would be 0 / 0.
         let arc_over_chord = if is_straight { 1.0 } else { half_turn / ops::sin(half_turn) };
         let length_m = ahead_m.max(0.0) * arc_over_chord;
         let curvature = if is_straight || length_m == 0.0 { 0.0 } else { turn / (sense * length_m) };
@@ -118,6 +120,7 @@ impl<'a> PathJudge<'a> {
         let end = poses[poses.len() - 1].pose;
         let segments = arcs.iter().map(|arc| arc.segment).collect();
         let path = Path { start, segments };
+        // Adding 0 turns the -0 of an empty path into 0.
         let length_m = path.length_m() + 0.0;
         let bound_m = lower_bound_m(self.problem.start, goal, self.body());
         let changes = poses.windows(2).skip(1).filter(|pair| pair[0].is_reverse != pair[1].is_reverse);
@@ -147,6 +150,7 @@ impl<'a> PathJudge<'a> {
             let last = poses[poses.len() - 1].line;
             missed(goal, end, self.body()).map(|by| format!("line {last}: it ends {by} away"))
         };
+        // The start comes first and the end last: the first thing that is wrong explains what follows.
         PathVerdict { figures, violation: begins.or_else(touches).or_else(|| self.violation(&arcs)).or_else(ends) }
     }
 
@@ -166,7 +170,9 @@ impl<'a> PathJudge<'a> {
                 };
                 return Some(located_message(arc.line, along_m, arc.start, turn));
             }
+            // The first term is the way sideways of a joint of two turns at the allowed curvature.
             let is_allowed = 0.25 * max * length_m * length_m + SLIP_SHARE * length_m;
+            // What was allowed and not used is not saved up, or a long path could jump sideways at its end.
             slipped_m = (slipped_m + arc.slip_m - is_allowed).max(0.0);
             if slipped_m > SLIP_ROUNDING_M {
                 let found = format!("it moves {:.1} mm sideways on {:.3} m", 1e3 * arc.slip_m, length_m);

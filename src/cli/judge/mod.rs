@@ -138,11 +138,13 @@ pub fn run(arguments: &JudgeArguments, context: &CommandContext) -> Result<ExitC
         let problems = arguments.problems(&arguments.files, &loaded)?;
         return judge_certificates(certificate, &problems, arguments);
     }
+    // This lists every file that is read, so an output cannot overwrite an input.
     let mut inputs: Vec<&Path> = arguments.files.iter().chain(&arguments.recording).map(PathBuf::as_path).collect();
     inputs.push(Path::new(&arguments.scenario));
     let files = Files { inputs, form: arguments.form, ..Files::default() };
     let stream = files.writing([(Format::Csv, &arguments.csv)]).check()?;
     let loaded = LoadedScenario::open(&arguments.scenario, &context.with_custom_names(&arguments.overrides))?;
+    // Planners are made before the table is read: a name that is wrong must not cost the reading of a large table.
     context.expect_trusted_planners(&loaded.scenario, &arguments.against)?;
     let makers = context.planners_of(&loaded.scenario)?;
     let against = AgainstPlanners::new(arguments, &loaded, &makers)?;
@@ -232,6 +234,7 @@ fn row_of_path((field, goal, planner): (&str, usize, &str), verdict: Option<Path
         planner: planner.into(),
         cost: None,
         figures,
+        // A missing path counts as a failure, so that leaving out hard goals improves nothing.
         failure: figures.is_none().then_some(DriveFailure::NoPath),
         violation: verdict.and_then(|verdict| verdict.violation).map(Into::into),
         certified_bound_m: None,

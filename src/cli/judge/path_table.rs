@@ -172,6 +172,7 @@ impl<'a> PathTable<'a> {
         for (index, column) in COLUMNS.into_iter().enumerate() {
             places[index] = match rows.places(column)[..] {
                 [place] => Some(place),
+                // A table of one field or of one planner need not name it.
                 [] if index == PLANNER || index == FIELD && problems.len() == 1 => None,
                 [] if index == FIELD && !rows.places("goal").is_empty() => {
                     return Err(PathTableError::NoField { line, fields: problems.len() });
@@ -199,6 +200,7 @@ impl<'a> PathTable<'a> {
             return if self.started.is_empty() { Err(PathTableError::NoRows) } else { Ok(None) };
         };
         let (planner, problem, goal) = key;
+        // A path in two parts would be judged as two paths, of which neither reaches its goal.
         if !self.started.insert(key) {
             let name = visible_start(&self.planners[planner]);
             let field = visible_start(&self.problems[problem].name);
@@ -211,6 +213,7 @@ impl<'a> PathTable<'a> {
                 break;
             }
             check_step(&poses[poses.len() - 1], &pose)?;
+            // The length is checked while reading, as a file may be one path without end.
             if poses.len() == MAX_POSES {
                 return Err(PathTableError::TooManyPoses { line: pose.line });
             }
@@ -232,6 +235,7 @@ impl<'a> PathTable<'a> {
                 cells[index] = cell;
             }
         }
+        // A row with a field too few would shift all later values by a column.
         if found != self.width {
             return Err(PathTableError::Ragged { line, found, expected: self.width });
         }
@@ -313,6 +317,7 @@ fn check_step(from: &TablePose, to: &TablePose) -> Result<(), PathTableError> {
         return Err(PathTableError::Apart { line, before, metres });
     }
     let turn = ops::wrap_angle(to.pose.heading - from.pose.heading);
+    // The chord of an arc points along the mean of the headings at its ends.
     let ahead_m = step.dot(Pose { heading: from.pose.heading + 0.5 * turn, ..from.pose }.direction());
     match to.is_reverse {
         false if ahead_m < -MAX_BACKWARDS_M => {

@@ -86,6 +86,7 @@ impl<'a> TruckJudge<'a> {
                     legs.push((*goal, trajectory, false));
                 }
                 Fact::Agent(agent, AgentFact::Dropped { trajectory, .. }) if *agent == self.truck.id => {
+                    // A drive that is broken off has two facts: the plan, and the leg as it was really driven.
                     if let Some((_, leg, is_dropped)) = legs.last_mut() {
                         (*leg, *is_dropped) = (trajectory, true);
                     }
@@ -110,6 +111,7 @@ impl<'a> TruckJudge<'a> {
         let motion = MotionLimits { turning_radius_m: Some(self.body.turning_radius_m), limits: self.truck.limits };
         let audited = audit_leg(&self.audit_field, &motion, leg, SampleStep::default());
         let violation = audited.err().map(|violation| violation.to_string()).or_else(|| {
+            // A drive that was broken off was not meant to end at its goal.
             let by = missed(goal, leg.end(), &self.body).filter(|_| !is_dropped)?;
             Some(format!("it ends {by} away"))
         });

@@ -49,6 +49,7 @@ impl From<&JudgeReport> for Document {
     /// A row for each goal if they are not too many, a row for each planner, what is wrong, and differences.
     fn from(report: &JudgeReport) -> Self {
         let mut document = Self::new(report.title.clone());
+        // A table of thousands of goals would push the summary off the screen.
         if report.drives.rows.len() <= SHOWN_ROWS {
             document.add(rows_table(&report.drives.rows));
         }

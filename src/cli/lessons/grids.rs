@@ -173,6 +173,7 @@ fn potentials_of(board: LessonMap) -> Value {
     ];
     let mut runs: Vec<Value> = fields
         .iter()
+        // The page computes the fields itself; only what takes a descent from every cell is computed here.
         .map(|&(name, kind, eta, args)| {
             let pull = attraction(rows, cols, board.goal, kind, Some(10.0));
             let field = total(pull, &fire, &Repulsion { eta, ..Repulsion::default() });
@@ -208,6 +209,7 @@ fn samples_of(board: LessonMap) -> Value {
         grow_tree(&board.occupied, start, goal, kind, &settings).expect("both ends are free")
     };
     let mut runs = Vec::new();
+    // There are two seeds, so a reader sees how much of a picture is chance.
     for seed in [1, 2] {
         let rrt = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::Rrt, seed, samples)));
         let star = STAGES.map(|samples| graph_data(samples, &tree(TreeKind::RrtStar, seed, samples)));
@@ -226,6 +228,7 @@ fn samples_of(board: LessonMap) -> Value {
     let costs: Vec<_> = (1..=COST_SEEDS)
         .map(|seed| COST_STAGES.map(|samples| tree(TreeKind::RrtStar, seed, samples).cost.map(|cost| short(cost, 2))))
         .collect();
+    // Theta* is no optimum over all angles, but close enough to see where the costs settle.
     let any_angle = theta_star(&board.occupied, start, goal, CORNERS).expect("both ends are free");
     let mut data = board.data(runs);
     data["costs"] =

@@ -134,6 +134,7 @@ fn with_numbers(text: &str, data: &Value) -> String {
 fn with_shuffled_answers(texts: &[&str]) -> Vec<String> {
     let mut rng = rng::stream(1, "lessons/answers");
     let questions = texts.concat().matches("<button data-right").count();
+    // The right answer has each place once in four questions, so nobody learns to click the first one.
     let mut places: Vec<usize> = (0..questions).map(|question| question % ANSWERS).collect();
     places.shuffle(&mut rng);
     let mut places = places.into_iter();

@@ -99,6 +99,7 @@ pub fn dispatch() -> Result<Value, CliError> {
             (f64::from(outcome.intact + outcome.extinguished), film)
         })?;
         let saved: Vec<f64> = runs.iter().map(|run| run.0).collect();
+        // The first policy is compared with itself, so that its difference is 0 in the table.
         if saved_by_nearest.is_empty() {
             saved_by_nearest.clone_from(&saved);
         }

@@ -220,6 +220,7 @@ impl Value {
             Self::Whole(value) => Some(value.to_string()),
             Self::Real(value) if !value.is_finite() => None,
             Self::Real(value) => {
+                // Bounds lie where rounding adds a digit: 9.996 is written as 10 and not as 10.00.
                 let steps = match value.abs() {
                     size if size >= 99.95 => 1.0,
                     size if size >= 9.995 => 10.0,
@@ -317,6 +318,7 @@ impl From<Escape> for MapPath {
             Escape::NotNeeded(cells) => Descent::Reached(cells).into(),
             Escape::HandedOver { descent: mut cells, wavefront } => {
                 let minimum = cells.last().copied();
+                // The wavefront's path begins at the minimum, which ends the descent.
                 cells.extend(wavefront.into_iter().skip(1));
                 Self { minimum, ..Self::in_steps(cells) }
             }

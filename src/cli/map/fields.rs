@@ -377,6 +377,7 @@ pub fn brushfire(occupied: &Grid<bool>, arguments: &BrushfireArguments) -> Resul
     };
     let values = timed(|| {
         let mut values = brushfire_or_zero(occupied, neighbours.into());
+        // Without obstacles all is 0 and stays so.
         values.values_mut().iter_mut().for_each(|value| *value = value.saturating_sub(less));
         MapValues::Distances(values)
     });
@@ -398,6 +399,7 @@ pub fn euclidean(occupied: &Grid<bool>, _: &NoParameters) -> Result<Computed, Ma
 
 pub fn cost(occupied: &Grid<bool>, arguments: &CostArguments) -> Result<Computed, MapInputError> {
     let values = timed(|| {
+        // The two zones are defined by city-block distance, so there is no option for 8 neighbours.
         let brushfire = brushfire_or_zero(occupied, Connectivity::Four);
         MapValues::Reals(cost_map(&brushfire, &arguments.zones()))
     });
@@ -409,6 +411,7 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
     let neighbours = arguments.neighbours.connectivity;
     let connectivity = neighbours.into();
     let corners = arguments.corners.rule();
+    // The goal is checked before the map is computed, as a front cannot start in a wall.
     check_free("goal", occupied, goal)?;
     if let Some(start) = arguments.start {
         check_inside("start", occupied, start)?;
@@ -425,6 +428,7 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
         })
     });
     let (walk, cpu_path) = walk.unzip();
+    // They are counted in steps and not in scaled values, where a cell that was not reached has a number too.
     let unreached = Some(steps.values().iter().filter(|&&value| value == UNREACHED).count());
     let (value_name, values) = match arguments.scale {
         Some(scale) => ("scaled value", MapValues::Reals(scaled(&steps, scale))),
@@ -445,6 +449,7 @@ fn scaled(values: &Grid<u32>, scale: f64) -> Grid<f64> {
 
 pub fn attraction(occupied: &Grid<bool>, arguments: &AttractionArguments) -> Result<Computed, MapInputError> {
     let goal = arguments.goal.goal;
+    // A goal in an obstacle will do, since attraction knows nothing of obstacles.
     check_inside("goal", occupied, goal)?;
     let values = timed(|| MapValues::Reals(attraction_field(occupied, goal, &arguments.attraction)));
     Ok(Computed { goal: Some(goal), ..Computed::new("Attraction", "potential", values) })

@@ -116,6 +116,7 @@ impl Serialize for TreeStep {
 
 impl Growth {
     fn check_with(&self, near: Option<&Near>) -> Result<(), BadParameter> {
+        // The map is not read yet, and the step that `auto` derives from it is never out of range.
         self.settings_of_step(self.step.requested.unwrap_or(TreeStep::MIN), near).check()
     }
 
@@ -218,6 +219,7 @@ fn answer<E: std::fmt::Debug>(
 ) -> Result<Computed, MapInputError> {
     check_problem(command, occupied, start, goal)?;
     let (graph, cpu_map) = timed(|| search(start, goal).expect("both ends are on the map"));
+    // Several points may lie in one cell, which then shows the cheapest of them.
     let mut min = Grid::filled(occupied.rows(), occupied.cols(), f64::INFINITY);
     for (point, &cost) in graph.points.iter().zip(&graph.costs) {
         let cell = point.cell();

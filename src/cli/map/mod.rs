@@ -55,6 +55,7 @@ pub fn run(command: &MapCommand, quiet: bool) -> Result<ExitCode, CliError> {
 
 fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliError> {
     computation.parameters().check().map_err(|problem| CliError::bad_input(problem, None))?;
+    // This comes before the map is read, so a name that is wrong does not cost reading a large image.
     let stream = check_files(computation)?;
     let input = &computation.files().input;
     let output = &computation.files().output;
@@ -64,6 +65,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     if let Some(query) = sweep::swept_query(computation) {
         let sweep = DescentSweep::new(computation, query, &map, cpu_read);
         let sweep = sweep.map_err(|problem| refused(&input.map, &problem))?;
+        // JSON has the sentences as members, and people at a terminal should still see them.
         if output.form.json && !quiet {
             sweep.sentences().iter().for_each(|sentence| terminal::note(sentence));
         }

@@ -104,6 +104,7 @@ impl ReadingArguments {
     pub fn read(&self, path: &Path) -> Result<MapFile, CliError> {
         let reading = Reading { tolerance: self.tolerance.unwrap_or_default(), inverted: self.invert };
         let mut map = map_files::read(path, reading)?;
+        // Edges go before the map is resampled, since K counts rows and columns of the file.
         occupancy::remove_edges(&mut map.occupied, self.remove_edges);
         if let Some(MapSize { cols, rows }) = self.resize {
             map.resize(rows, cols).map_err(|fault| MapError { path: path.to_owned(), fault })?;

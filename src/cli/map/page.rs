@@ -81,11 +81,13 @@ struct PagePart {
 }
 
 pub fn run(arguments: &MapPageArguments, quiet: bool) -> Result<(), CliError> {
+    // The folder is tried before anything is computed, as it must take the files.
     check_folder(&arguments.out)?;
     let (map, cpu_read) = timed(|| arguments.reading.read(&arguments.map));
     let map = map?;
     let mut parts = Vec::new();
     for args in commands(arguments) {
+        // The command line's own parser reads them, so each picture's caption is a command that gives its numbers.
         let Ok(OneCommand { command: MapCommand::Compute(computation) }) = OneCommand::try_parse_from(&args) else {
             unreachable!("{args:?} is a command");
         };
@@ -151,6 +153,7 @@ fn commands(arguments: &MapPageArguments) -> Vec<Vec<OsString>> {
         ("dijkstra", format!("{ends} {neighbours} {corners}")),
         ("astar", format!("{ends} {neighbours} {corners}")),
         ("greedy", format!("{ends} {neighbours} {corners}")),
+        // Jump points are defined on eight neighbours, and lines of sight do not go by neighbours at all.
         ("jps", format!("{ends} {corners}")),
         ("theta", format!("{ends} {corners}")),
         ("rrt", format!("{ends} {growth}")),

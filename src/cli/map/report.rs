@@ -237,6 +237,7 @@ fn values(report: &MapReport) -> Option<String> {
     let width = 1 + texts.iter().map(String::len).max().unwrap_or(0);
     for &(row, col) in report.path_cells().unwrap_or_default() {
         let text = &mut texts[row * cols + col];
+        // A path may pass a cell twice, which has one star nevertheless.
         if !text.starts_with('*') {
             text.insert(0, '*');
         }
@@ -275,6 +276,7 @@ pub fn with_scene<T>(report: &MapReport, draw: impl FnOnce(&MapScene) -> T) -> T
         free_name: matches!(report.computation, Computation::Occupancy(_)).then_some("free"),
         ..bare
     };
+    // Only the map of costs has zones, and finding them takes another pass over the map.
     let Computation::Cost(question) = report.computation else { return draw(&scene) };
     let in_safety_zone = safety_zone(&report.map.occupied, &question.parameters);
     let zone = |place| match computed.values.at(place).as_f64() {

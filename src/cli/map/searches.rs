@@ -216,6 +216,7 @@ pub fn best_first<P: Args + Ordered>(
     let title = with_corners(title_with_neighbours(&name, neighbours), corners);
     let mut found = answer(occupied, command, ends, |_, _| search(order))?;
     let bound = order.cost_bound(connectivity);
+    // Where the order guarantees the shortest path, a second search would find the same cost.
     if let Some(trace) = found.search.as_mut().filter(|trace| trace.cost.is_some() && bound != Some(1.0)) {
         let shortest = search(SearchOrder::astar(connectivity)).expect("both ends are on the map");
         trace.shortest = shortest.cost.map(|cost| ShortestCost { cost, bound });
@@ -230,6 +231,7 @@ pub fn any_angle(
     let corners = parameters.corners.rule();
     let mut found = answer(occupied, "theta", ends, |start, goal| theta_star(occupied, start, goal, corners))?;
     if let Some(MapWalk { path, .. }) = &mut found.walk {
+        // A route is measured from cell to cell at first, whereas these cells are joined by segments.
         path.is_any_angle = true;
         path.length = line_length(&path.cells);
     }
@@ -273,6 +275,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     check_size("voronoi", occupied)?;
     let corners = arguments.corners.rule();
     let ends = arguments.start.zip(arguments.goal);
+    // The ends are checked before the diagram, which is computed for the whole map.
     if let Some((start, goal)) = ends {
         check_problem("voronoi", occupied, start, goal)?;
     }
@@ -286,6 +289,7 @@ pub fn diagram(occupied: &Grid<bool>, arguments: &VoronoiArguments) -> Result<Co
     let (walk, cpu_path) = walk.unzip();
     let mut values = found.clearance;
     for (value, &is_on) in values.values_mut().iter_mut().zip(found.diagram.values()) {
+        // Off the diagram a clearance would fill the picture, and hide the lines that it is about.
         *value = if is_on { *value } else { 0.0 };
     }
     let title = with_corners(format!("Voronoi diagram, {}", count(found.sites, "site")), corners);

@@ -96,6 +96,7 @@ impl From<&Timings> for Document {
 fn measure(path: &Path, occupied: &Grid<bool>) -> Timing {
     let (rows, cols) = (occupied.rows(), occupied.cols());
     let goal = free_cell_nearest_centre(occupied);
+    // The grids are made once and filled again, so that the time is that of the algorithm and not of the allocator.
     let mut distances = Grid::filled(rows, cols, 0);
     let mut steps = Grid::filled(rows, cols, 0);
     Timing {

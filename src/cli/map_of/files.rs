@@ -141,13 +141,16 @@ impl Panel {
             })
             .collect();
         if let Some(difference) = difference {
+            // The name of the last panel says what is subtracted from what, in the same order.
             // From what is taken off to what it is taken off from.
             panels.reverse();
+            // A cell that burned on neither side has a difference of 0, and would be drawn as one that was examined.
             let burned: Vec<bool> = (0..difference.mean.len())
                 .map(|index| panels.iter().any(|panel| panel.values[0].1[index] > 0.0))
                 .collect();
             let shown = difference.mean.iter().zip(burned);
             let shown = shown.map(|(&mean, burned)| if burned { mean } else { f64::NAN }).collect();
+            // Only the last map is written to files; the others are beside it in the picture.
             panels.iter_mut().for_each(Self::keep_drawing_only);
             let values = [("", difference.mean), ("-lower", difference.lower), ("-upper", difference.upper)];
             panels.push(Self {

@@ -134,6 +134,7 @@ impl WhatArguments {
 
 pub fn run(arguments: &MapOfArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let files = MapFiles::new(&arguments.files, arguments.minus.is_some());
+    // This lists all paths, with the endings of lower and upper bounds, as each of these files could overwrite an input.
     let every = files.every_path();
     let outputs = every.iter().map(|(format, path)| (*format, path.as_path())).collect::<Vec<(Format, &Path)>>();
     let files_of_all = Files { outputs, form: arguments.form, ..Files::default() };
@@ -207,6 +208,7 @@ fn of_run(
 /// The run that is asked for, and where its field lies.
 fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(ShownRun, EarthPlace), CliError> {
     let folder = Path::new(&arguments.source);
+    // Changed values make another run than those of the folder.
     if folder.is_dir() && arguments.overrides.is_empty() {
         let source = open_batch(folder, &arguments.only, context)?;
         let run = source.run(arguments.seed)?;
@@ -219,6 +221,7 @@ fn shown_run(arguments: &MapOfArguments, context: &CommandContext) -> Result<(Sh
         return Err(CliError::bad_input("--where chooses among the runs of a batch; expected the folder of one", None));
     }
     let source = source_of_runs(&arguments.source, &arguments.overrides, arguments.memory.memory, context)?;
+    // Maps show where fire went, and searches would take memory for nothing.
     let run = source.run(arguments.seed, Searches::LeftOut)?;
     if source.scenario().is_none() && run.timeline.setting.spread.is_some() && !context.quiet {
         terminal::note(
@@ -239,12 +242,14 @@ fn over_batch(
         let sentence = format!("{} is no folder of a batch; expected one for a map over runs", arguments.source);
         return Err(CliError::bad_input(sentence, Some("`wildfire batch SCENARIO --seeds 1..200` makes one")));
     }
+    // Either option would suggest that a single run was mapped.
     if arguments.seed.is_some() || !arguments.overrides.is_empty() {
         let sentence =
             "a map over a batch is over all its seeds and what they were run with; expected no --seed and no --set";
         return Err(CliError::bad_input(sentence, None));
     }
     let batch = open_batch(folder, &arguments.only, context)?;
+    // Both sides are usually variants of one plan, and then need the same choice once.
     let minus_only = if arguments.minus_where.is_empty() { &arguments.only } else { &arguments.minus_where };
     let minus = arguments.minus.as_deref().map(|folder| open_batch(folder, minus_only, context)).transpose()?;
     let jobs = jobs_or_all(arguments.jobs);

@@ -61,8 +61,10 @@ impl RunMapReport {
             RunQuantity::FlameLength => ("flame length", "m"),
             RunQuantity::Direction => ("direction of spread", "degrees"),
         };
+        // Cells that did not burn have no finite value.
         let found: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
         let [min, max] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| found.iter().copied().reduce(pick));
+        // A mean of directions has no meaning: half way between 350 and 10 degrees is not 180.
         let has_mean = quantity != RunQuantity::Direction && !found.is_empty();
         Self {
             run: run.to_owned(),
@@ -179,6 +181,7 @@ impl BatchMapReport {
             DifferenceObject {
                 losses: difference.losses,
                 cells_below: difference.upper.iter().filter(|upper| **upper < 0.0).count(),
+                // The ends count and not the mean: cells whose interval holds zero may differ by chance.
                 cells_above: difference.lower.iter().filter(|lower| **lower > 0.0).count(),
                 min: found.clone().reduce(f64::min),
                 max: found.reduce(f64::max),

@@ -77,6 +77,7 @@ fn report<'a>(
         Ok::<_, CliError>(ask_all(problems, &question)?)
     };
     let all = ask()?;
+    // This takes new planners: what one of them remembers would otherwise look like agreement.
     let again = if arguments.repeat { Some(ask()?) } else { None };
     let repeats = again.map(|again| planners.iter().map(|planner| Repeat::new(planner, &all, &again)).collect());
     let mut drives = DriveTable::of_one_variant(all.iter().map(|attempt| attempt.query(None, 0)).collect());

@@ -145,6 +145,7 @@ impl From<&PlanReport<'_>> for Document {
 impl PlanReport<'_> {
     /// Draws the paths of all planners on one field.
     pub fn draw(&self, problem: &Problem) -> Picture {
+        // Problems are compared by address: two of them may have equal fields.
         let attempts: Vec<&Attempt> = self.attempts.iter().filter(|a| std::ptr::eq(a.problem, problem)).collect();
         let ways = self.planners.iter().map(|planner| {
             let paths = attempts.iter().filter(|attempt| attempt.planner == *planner);

@@ -96,6 +96,7 @@ impl RankArguments {
 pub fn run(arguments: &RankArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let form = arguments.form;
     let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
+    // Outputs are checked before the audit, which simulates runs again.
     let stream = files.check()?;
     let mut ranking = rank(&arguments.batches, &arguments.request())?;
     if let Some(runs) = arguments.audit {
@@ -119,6 +120,7 @@ fn audit(
     context: &CommandContext,
 ) -> Result<(), CliError> {
     let jobs = jobs_or_all(jobs);
+    // All sources are opened before the first audit: an entry without trust must not cost the audits before it.
     let sources = ranking.entries.iter().map(|entry| source(entry, runs, context)).collect::<Result<Vec<_>, _>>()?;
     let progress = Progress::new(sources.iter().map(AuditSource::count).sum(), "runs", context.quiet);
     let options = AuditOptions { jobs, step: SampleStep::default(), registry: &context.registry, listed: 1 };

@@ -20,6 +20,7 @@ pub fn write(folder: &Path, ranking: &Ranking) -> Result<(), CliError> {
         // Names may be paths, and may differ in letters only that files cannot have.
         let letter = |letter: char| if letter.is_alphanumeric() || "-+.".contains(letter) { letter } else { '_' };
         let mut name: String = entry.name.chars().take(60).map(letter).collect();
+        // Names are compared in lower case, as some file systems have one file for both; a dot in front would hide one.
         if name.starts_with('.') || !taken.insert(name.to_lowercase()) {
             name = format!("entry-{}-{name}", place + 1);
         }

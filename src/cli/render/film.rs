@@ -121,9 +121,11 @@ pub struct FilmFiles<'a> {
 
 /// Writes the films that were asked for; they appear whole, both or none.
 pub fn write_films(scene: &Scene, shots: &Shots, files: FilmFiles<'_>, quiet: bool) -> Result<(), CliError> {
+    // A signal becomes a flag, so that half-written files are removed before the program ends.
     let watch = interrupt::watch(interrupt::USUAL_TIDYING);
     let stop = watch.stop();
     let mut mp4 = files.mp4.map(|path| Mp4File::create(path, scene.size, shots.fps())).transpose()?;
+    // The palette of a GIF is made of some frames of the whole film, which are drawn twice.
     let sampled = if files.gif.is_some() { shots.sample(SAMPLED_FRAMES).count() as u64 } else { 0 };
     let progress = Progress::new(sampled + shots.count(), "frames", quiet);
     let mut film =
@@ -139,6 +141,7 @@ pub fn write_films(scene: &Scene, shots: &Shots, files: FilmFiles<'_>, quiet: bo
             mp4.add(pixels).map_err(|failure| if is_set(stop) { CliError::stopped() } else { failure })?;
         }
     }
+    // Both are finished only after the last frame, so neither film appears without the other.
     mp4.map_or(Ok(()), Mp4File::finish)?;
     gif.map_or(Ok(()), |(path, gif)| gif.finish().map_err(|error| CliError::unwritable(path, &error)))?;
     film.progress.end();

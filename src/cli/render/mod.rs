@@ -90,6 +90,7 @@ pub fn run(arguments: &RenderArguments, context: &CommandContext) -> Result<Exit
     let runs: Vec<RunView> = run_views(arguments, context)?;
     let runs: Vec<&RunView> = runs.iter().collect();
     let mut options = look(&arguments.show, &runs)?;
+    // The instant of a search is of no use to a picture that does not show it.
     if arguments.at == Some(Moment::Event(RunEvent::LargestSearch))
         && let Some(search) = runs[0].index().largest_search()
     {
@@ -129,6 +130,7 @@ fn check(arguments: &RenderArguments) -> Result<(), CliError> {
     files.writing([(Format::Png, still), (Format::Gif, gif), (Format::Mp4, mp4), (Format::Html, page)]).check()?;
     let width = show.size.width;
     let height = show.size.height;
+    // H.264 halves the colours in both directions, which takes even sides.
     if arguments.mp4.is_some() && (width % 2 == 1 || height % 2 == 1) {
         let sentence = format!("--size is {width}x{height}; expected even numbers of pixels with --mp4");
         return Err(CliError::bad_input(sentence, None));
@@ -149,6 +151,7 @@ fn run_views(arguments: &RenderArguments, context: &CommandContext) -> Result<Ve
         Searches::LeftOut
     };
     let shown = shown_runs(&arguments.show, searches, context)?;
+    // CPU times differ from machine to machine, and pictures of one seed should be equal.
     let run = |run: ShownRun| if arguments.cpu { run } else { ShownRun { cpu_samples: None, ..run } };
     Ok(shown.into_iter().map(|shown| run(shown.run).into_view()).collect())
 }
@@ -165,6 +168,7 @@ fn shots(arguments: &RenderArguments, scene: &Scene, quiet: bool) -> Result<Shot
         vec![Shot { moments: moments(arguments, scene.runs, quiet)?, options: scene.options.clone() }]
     };
     let shots = Shots(shots);
+    // The length is checked before the first frame, as a mistyped speed makes films of days.
     if shots.count() > MAX_FRAMES {
         let sentence = format!("the film would have {} frames; expected at most {MAX_FRAMES}", shots.count());
         return Err(CliError::bad_input(

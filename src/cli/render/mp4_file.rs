@@ -35,6 +35,7 @@ impl Mp4File {
         command.args(ENCODING.split_whitespace());
         match file.place() {
             Some(place) => {
+                // The index moves to the front when the file is complete, so players need not read it to its end.
                 command.args(["-movflags", "+faststart"]).arg("--").arg(absolute(place)).stdout(Stdio::null())
             }
             // A pipe cannot be gone back in: the index comes in parts, with the frames.

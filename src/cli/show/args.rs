@@ -76,6 +76,7 @@ impl ShowArguments {
 /// # Errors
 /// If an agent, a bush or a point is not in the first run.
 pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions, CliError> {
+    // Two runs side by side show the same scene, so what is selected must be in the first.
     let setting = &films[0].timeline().setting;
     match arguments.follow {
         Some(CameraTarget::Agent(agent)) => check_agent("--follow", agent, setting)?,
@@ -94,6 +95,7 @@ pub fn look(arguments: &ShowArguments, films: &[&RunView]) -> Result<ViewOptions
         camera: Camera { centre, zoom: arguments.zoom },
         follows: arguments.follow,
         layers: arguments.layers(),
+        // The selection is that of the left picture.
         selected: arguments.select.map(|selected| (0, selected)),
         ..ViewOptions::default()
     })

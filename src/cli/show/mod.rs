@@ -34,6 +34,7 @@ pub fn shown_runs(
 ) -> Result<Vec<Shown>, CliError> {
     let named = Named::open(&arguments.source)?;
     let source = Source::new(&named, &arguments.overrides, arguments.memory.memory, context)?;
+    // Both sources are opened before the first run is simulated, as the second name may be wrong.
     let second = second_source(arguments, &named, context)?;
     let mut run = source.run(arguments.seed, searches)?;
     if let Some(path) = &arguments.why {
@@ -42,6 +43,7 @@ pub fn shown_runs(
     let seed = run.timeline.setting.seed;
     let mut shown = vec![Shown { source, run }];
     if let Some(source) = second {
+        // Without a seed of its own the second run has that of the first, which makes both a pair.
         let seed = if source.has_one_run() { arguments.with_seed } else { arguments.with_seed.or(Some(seed)) };
         let run = source.run(seed, searches)?;
         shown.push(Shown { source, run });
@@ -89,6 +91,7 @@ fn second_source(
         Some(name) => Source::new(&Named::open(name)?, changes, memory, context).map(Some),
         None if changes.is_empty() && arguments.with_seed.is_none() => Ok(None),
         None => {
+            // Changes of the second run come after those of both, and win over them.
             let all = arguments.overrides.iter().chain(changes).cloned().collect::<Vec<_>>();
             Source::new(first, &all, memory, context).map(Some)
         }

@@ -63,6 +63,7 @@ impl Named {
     /// # Errors
     /// If nothing has this name, or it cannot be read, or it is too large for a recording or a scenario.
     pub fn open(name: &str) -> Result<Self, CliError> {
+        // A built-in name comes before a file of the same name, as in all other commands.
         if BUILT_IN.iter().any(|(existing, _)| *existing == name) {
             return Ok(Self::Scenario(ScenarioText::open(name)?));
         }
@@ -70,6 +71,7 @@ impl Named {
         if path.is_dir() {
             return Ok(Self::Batch(path.to_owned()));
         }
+        // The file is read whole and once: a pipe cannot be opened again to look at its first bytes.
         let bytes = input_file::read(path, file::MAX_BYTES);
         let has_its_name = path.extension().is_some_and(|extension| extension == "wildfire");
         match bytes {
@@ -123,6 +125,7 @@ impl Source {
             Named::Batch(folder) => Self::from_batch(folder, memory, context)?,
             Named::Recording { path, bytes } => Self::Recording { path: path.clone(), bytes: bytes.clone() },
         };
+        // A finished run has its values; only a scenario can still be changed.
         if overrides.is_empty() {
             return Ok(source);
         }

@@ -38,6 +38,7 @@ pub fn read(path: &Path, timeline: &Timeline) -> Result<Vec<(SimTime, Verdict)>,
         CliError::bad_input(sentence, None)
     })?;
     let setting = &timeline.setting;
+    // Verdicts on another run would mark decisions that this one does not have.
     if (&why.scenario, why.seed) != (&setting.scenario, setting.seed) {
         let sentence = format!(
             "{} is about seed {} of {}; expected seed {} of {}",
@@ -51,6 +52,7 @@ pub fn read(path: &Path, timeline: &Timeline) -> Result<Vec<(SimTime, Verdict)>,
     }
     let mut verdicts: Vec<(SimTime, Verdict)> = Vec::new();
     for JudgedDecision { t_s, is_mistake, is_good } in why.decisions {
+        // Anybody may have written the file, and a time beyond all runs does not fit into nanoseconds.
         if !(0.0..=1e9).contains(&t_s) {
             let sentence = format!("{}: a decision at {t_s} s; expected times of the run", path.display());
             return Err(CliError::bad_input(sentence, None));

@@ -103,10 +103,12 @@ impl Board {
             let runs = seeds.iter().flat_map(|seed| conditions.iter().map(move |name| (name.as_str(), seed)));
             runs.collect::<BTreeSet<(&str, u64)>>()
         });
+        // File systems of macOS and Windows ignore case, so the files of one of the two entries would overwrite the other's.
         if let Some([one, other]) = same_but_for_case(by_entry.keys().copied()) {
             return Err(ArenaError::Wrong { path: self.file(track, "csv"), message: one_folder(one, other) });
         }
         let Some((name, runs)) = by_entry.iter().find(|(_, runs)| !lists.contains(runs)) else { return Ok(rows) };
+        // A foreign seed is reported first: a count alone would not show that somebody chose the seeds.
         let strange = runs.iter().find(|run| !lists.iter().any(|list| list.contains(*run)));
         let message = match strange {
             Some((_, seed)) => format!("{name} has a row of seed {seed}, which the track does not have"),
@@ -186,8 +188,10 @@ impl Board {
         self.expect_same_runs(track, &by_entry)?;
         let mut found = Vec::new();
         for (name, rows) in &mut by_entry {
+            // `chunk_by` in `BoardEntry::new` joins neighbours only, and two entries are paired row by row.
             rows.sort_by(|one, other| (one.seed, &one.condition).cmp(&(other.seed, &other.condition)));
             let entry = self.entry(name)?;
+            // A class depends on the programs that an entry names, not on seeds.
             let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, Seeds::default())?;
             found.push((BoardEntry::new(track, &entry, class_of(&plan, name), rows), &*rows));
         }
@@ -205,6 +209,7 @@ impl Board {
             if found.len() != rows.len() {
                 return Err(wrong(format!("{name} has two rows of one run; expected one")));
             }
+            // Equality is transitive, so comparing all entries with the first one is enough.
             let (before, expected) = first.get_or_insert_with(|| (name, found.clone()));
             if found != *expected {
                 return Err(wrong(format!(
@@ -297,6 +302,7 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
     let expected = lines_of(expected);
     let place = (0..found.len().max(expected.len())).find(|&place| match (found.get(place), expected.get(place)) {
         (Some(found), Some(expected)) => {
+            // Git may check files out with CRLF, and a later version of the program publishes its own name and commit.
             found.trim_end_matches('\r') != expected && !(is_of_program(found) && is_of_program(expected))
         }
         _ => true,
@@ -306,6 +312,7 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
     let expected = line(&expected);
     let same = found.chars().zip(expected.chars()).take_while(|(one, other)| one == other).count();
     let shown = |line: &str| {
+        // Text before the difference shows where in a long line of JSON it is.
         visible(&line.chars().skip(same.saturating_sub(BEFORE)).take(SHOWN).collect::<String>()).into_owned()
     };
     Some(format!("{name}, line {}: `{}`; the rows give `{}`", place + 1, shown(&found), shown(&expected)))
@@ -341,6 +348,7 @@ impl BoardEntry {
             .collect();
         let worst = (0..by_condition.len())
             .min_by(|one, other| {
+                // Of conditions with equal means the first by name is the worst, whatever the order of the rows.
                 track.better.best_first(by_condition[*other].1, by_condition[*one].1).then(one.cmp(other))
             })
             .unwrap_or(0);
@@ -355,6 +363,7 @@ impl BoardEntry {
             by_condition,
         };
         let decisive = found.decisive(track, rows);
+        // Rows of one seed share its field and are not independent, so the interval is one of means by seed.
         let of_seeds = decisive.chunk_by(|one, next| one.0 == next.0);
         let means = of_seeds.map(|of_seed| of_seed.iter().map(|it| it.2).sum::<f64>() / of_seed.len() as f64);
         found.interval = Series::from_values(&means.collect::<Vec<f64>>()).mean_interval();
@@ -382,6 +391,7 @@ impl TrackBoard {
         let metric = track.metric();
         let decisive: Vec<Vec<(u64, usize, f64)>> =
             found.iter().map(|(entry, rows)| entry.decisive(track, rows)).collect();
+        // All entries have the same runs in the same order, see `expect_same_runs`; the keys of the first are those of all.
         let runs: Vec<RunKey> = decisive[0].iter().map(|&(seed, stratum, _)| RunKey { seed, stratum }).collect();
         let strata = runs.iter().map(|run| run.stratum + 1).max().unwrap_or(1);
         let contenders = found.iter().zip(&decisive).map(|((entry, rows), decisive)| RankInput {
@@ -393,6 +403,7 @@ impl TrackBoard {
             },
             numbers: decisive.iter().map(|it| it.2).collect(),
         });
+        // With one stratum there is nothing to average over, and the ranking needs no analysis by strata.
         let by = (strata > 1).then(|| crate::plan::CONDITION_COLUMN.to_owned());
         let basis = RankBasis { metric: &metric, better: track.better, counts: SampleSize::Fixed };
         let (entries, pairs) = ranked(contenders.collect(), &runs, by.clone(), basis);
@@ -421,6 +432,7 @@ impl TrackBoard {
         // The median, as one pair with few runs must not decide.
         let noise_floor = widths.get(widths.len() / 2).copied();
         let mut entries: Vec<BoardEntry> = found.into_iter().map(|(entry, _)| entry).collect();
+        // The ranking orders by what decides; the published table must list the entries in that order.
         entries.sort_by_key(|entry| ranking.entries.iter().position(|ranked| ranked.name == entry.card.name));
         Self { track, ranking, entries, noise_floor }
     }

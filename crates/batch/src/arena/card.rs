@@ -18,6 +18,7 @@ const COLUMNS: [(&str, &str); 6] = [
 
 /// Describes the files of rows of a board, given with their texts.
 pub(super) fn data_card(files: &[(&Track, String)]) -> Value {
+    // The version contains a hash of all rows, so that a tool that cached an older board sees that it is another.
     let all: String = files.iter().map(|(_, text)| text.as_str()).collect();
     let distribution = files.iter().map(|(track, text)| {
         json!({

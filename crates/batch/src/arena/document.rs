@@ -24,6 +24,7 @@ impl From<&TrackBoard> for Document {
         let mut document = Self::new(format!("Track `{}`: {entries}", board.track.name));
         document.add_list(facts(board));
         document.add(ranks_table(board));
+        // A single entry has nothing to differ from.
         if ranking.entries.len() > 1 {
             document.add(chart(board));
         }
@@ -72,6 +73,7 @@ fn ranks_table(board: &TrackBoard) -> Table {
     let ranking = &board.ranking;
     let decimals = decimals(ranking).min(MAX_DECIMALS);
     let rows = board.entries.iter().zip(&ranking.entries).enumerate().map(|(place, (entry, ranked))| {
+        // The difference from the next entry decides whether the order of two neighbours means anything.
         let next = ranking.pair(place, place + 1);
         let mut cells = vec![name(entry), ranks(ranked.ranks), rounded(ranked.mean, decimals)];
         let reach = entry.interval.map(|interval| 0.5 * (interval.high - interval.low));
@@ -107,11 +109,13 @@ fn chart(board: &TrackBoard) -> Block {
 /// Entries against conditions: the mean score of each, the worst marked, and by how much it is worse than the mean.
 fn conditions_table(board: &TrackBoard) -> Table {
     let decimals = decimals(&board.ranking).min(3);
+    // Names of conditions are long; a break at each hyphen keeps the columns narrow.
     let names = board.entries[0].by_condition.iter().map(|(name, ..)| name.replace('-', "\n"));
     let headings: Vec<String> =
         std::iter::once("Entry".to_owned()).chain(names).chain(["Worst\n− mean".to_owned()]).collect();
     let rows = board.entries.iter().map(|entry| {
         let means = entry.by_condition.iter().map(|(_, mean, _)| *mean);
+        // Each condition has the same weight, as each has the same seeds.
         let mean = means.clone().sum::<f64>() / entry.by_condition.len() as f64;
         let cells = means.clone().enumerate().map(|(place, mean)| {
             let mark = if place == entry.worst { "!" } else { "" };

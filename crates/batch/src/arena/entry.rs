@@ -60,6 +60,7 @@ impl ArenaEntry {
         if card.tracks.is_empty() {
             return Err(wrong("[entry] has no `tracks`; expected a list of the tracks that it enters"));
         }
+        // An unknown track is reported before any run of the other tracks is played.
         card.tracks
             .iter()
             .try_for_each(|name| Track::named(name).map(|_| ()))
@@ -68,11 +69,14 @@ impl ArenaEntry {
         let unreadable = |source| ArenaError::Unreadable { path: folder.to_owned(), source };
         let mut files = Vec::new();
         collect(folder, Path::new(""), &mut files).map_err(unreadable)?;
+        // Folders list files in an order of their own; the hash must not depend on the file system.
         files.sort();
         let (mut hash, mut left) = (Sha256::new(), MAX_BYTES);
         for file in &files {
+            // The limit is on the sum, so the reader stops within the file that exceeds it.
             let bytes = input_file::read(&folder.join(file), left).map_err(unreadable)?;
             left -= bytes.len() as u64;
+            // The name and the length separate files: without them, moving bytes from one file to the next would keep the hash.
             hash.update(format!("{}\n{}\n", file.display(), bytes.len()));
             hash.update(&bytes);
         }
@@ -117,6 +121,7 @@ fn collect(root: &Path, below: &Path, files: &mut Vec<PathBuf>) -> io::Result<()
         } else if kind.is_file() {
             files.push(name);
         }
+        // The check stands in the loop: a home folder given by mistake has millions of files.
         if files.len() > MAX_FILES {
             let message = format!("more than {MAX_FILES} files; expected only those of the entry");
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));

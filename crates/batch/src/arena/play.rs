@@ -57,6 +57,7 @@ pub fn play(
     let pool = pool.map_err(|error| BatchError::NoWorkers { jobs: players.jobs, reason: error.to_string() })?;
     let options = RunOptions { memory: plan.memory, ..players.registry.clone().into() };
     pool.install(|| {
+        // Each run is a job by itself: in chunks, a thread that is done would wait for the last chunk of another.
         let played = numbers.par_iter().with_max_len(1).map(|&number| {
             let run = plan.run(number);
             let played = match track.kind {
@@ -77,6 +78,7 @@ fn row_of(run: &PlannedRun<'_>, score: Option<f64>, effort: u64, hash: String) -
 }
 
 fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
+    // A custom policy may panic; the rest of the track is still played.
     let made = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options));
     let is_not_started =
         matches!(&made, Ok(Err(RunError::NoPolicy { .. } | RunError::NoPrograms { .. } | RunError::NoPlanner { .. })));
@@ -93,6 +95,7 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
         Err(panic) => not_done(Status::Panicked, panic),
     };
     let record = RunRecord::from_row(&row);
+    // Effort is counted in expansions and not in seconds, as it must be equal when another machine plays the run again.
     let effort = track.effort.iter().map(|column| record.number(run_column(column)).unwrap_or(0.0) as u64).sum();
     let row = ArenaRow { ..row_of(run, track.metric().number(&record), effort, hash_of_run(&record)) };
     Played {
@@ -110,6 +113,7 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
 /// agents", 2018), with a bound in the place of the shortest length, which nobody knows.
 fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Result<Played, ArenaError> {
     let scenario = &run.variant.scenario;
+    // Each seed has one goal: a row of a board is one query, and its seeds are the independent sample.
     let problems = DriveProblems { goals: Some(1), ..DriveProblems::default() }.load(scenario, run.seed)?;
     let problem = &problems[0];
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
@@ -132,6 +136,7 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     let result = result.map_err(|panic| (panic, false)).flatten();
     Ok(match result {
         Ok(query) => {
+            // A query without an answer scores 0; only a query that could not be posed has no score.
             // A path may be as long as the bound, and rounding may make it shorter.
             let solved =
                 query.solved().map(|figures| figures.lower_bound_ratio.map_or(1.0, |ratio| 1.0 / ratio.max(1.0)));

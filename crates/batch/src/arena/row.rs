@@ -115,6 +115,7 @@ impl ArenaRow {
         let mut reader = csv::ReaderBuilder::new().from_reader(bytes);
         let wrong = |line, message: String| ArenaError::WrongRow { path: path.to_owned(), line, message };
         let headings = reader.headers().map_err(|error| wrong(1, error.to_string()))?;
+        // Columns are read by their place below, so their order matters too.
         if *headings != HEADINGS[..] {
             return Err(wrong(1, format!("expected the columns {}", HEADINGS.join(","))));
         }

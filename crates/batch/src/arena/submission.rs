@@ -51,12 +51,14 @@ impl TrackCheck {
             .collect();
         let cut_short = cut_short.map(|it| format!("{it} on the first seed; the other seeds were not played"));
         refusals.extend(cut_short.or_else(|| total_failure(played)).map(|it| format!("{}: {it}", track.name)));
+        // Runs that finish have messages too, as planners comment on failed queries; these are no reason to refuse an entry.
         let of_failed = message.as_ref().filter(|_| failed > 0);
         refusals.extend(of_failed.map(|message| format!("{}: {message}", track.name)));
         Self {
             track: track.name,
             runs: played.len(),
             failed,
+            // Without any score the mean is 0 and not NaN, which JSON cannot express.
             score: scores.iter().sum::<f64>() / scores.len().max(1) as f64,
             effort: played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64,
             failed_queries: queries.failed(),

@@ -157,6 +157,7 @@ impl Contrast {
         let row = |side: &Side<'_>, run: usize| -> Vec<f64> {
             columns.iter().map(|&column| side.table.values[column][run]).collect()
         };
+        // The horizon is one for both sides: with two, the side that gave up earlier would have the shorter times.
         let rows: Vec<_> = pairs.runs.iter().map(|&(ours, theirs)| [row(first, ours), row(second, theirs)]).collect();
         let cut_off = if matches!(metric.kind, MetricKind::Time { .. }) { Some(cut_off(&rows)) } else { None };
         let horizon = cut_off.as_ref().and_then(|it| it.horizon).unwrap_or(f64::INFINITY);
@@ -166,6 +167,7 @@ impl Contrast {
             .zip(seeds)
             .zip(&pairs.stratum_of)
             .filter_map(|((numbers, seed), &stratum)| numbers.map(|numbers| NumberPair { seed, stratum, numbers }));
+        // One stratum is no mean over strata; its pairs are independent as they are.
         let by = (pairs.strata.len() > 1).then(|| pairs.stratified_by());
         let mut found = Self::from_numbers(metric, numbers.collect(), by)?;
         found.contrast.cut_off = cut_off;
@@ -254,6 +256,7 @@ fn by_stratum(metric: &Metric, pairs: &[NumberPair], by: String) -> ByStratum {
 /// numbers is that of a mean over fixed strata, whose weights are their pairs.
 fn differences_by_seed(pairs: &[NumberPair], strata: &ByStratum) -> Vec<f64> {
     let seeds = of_seeds(pairs).count();
+    // If each seed is in all strata, a mean over its strata has the same weight for each, and no correction is needed.
     if seeds == strata.seeds {
         let mean =
             |of_seed: &[NumberPair]| of_seed.iter().map(NumberPair::difference).sum::<f64>() / of_seed.len() as f64;
@@ -263,6 +266,7 @@ fn differences_by_seed(pairs: &[NumberPair], strata: &ByStratum) -> Vec<f64> {
         strata.contrasts.iter().map(|(stratum, contrast)| (*stratum, contrast.difference)).collect();
     let mean = pairs.iter().map(NumberPair::difference).sum::<f64>() / pairs.len() as f64;
     let share = seeds as f64 / pairs.len() as f64;
+    // Deviations sum to zero in each stratum, which keeps the mean; the factor gives a sum over strata the scale of a mean.
     of_seeds(pairs)
         .map(|of_seed| {
             mean + share * of_seed.iter().map(|pair| pair.difference() - of_stratum[&pair.stratum]).sum::<f64>()
@@ -290,10 +294,12 @@ pub(super) fn lifetime(row: &[f64]) -> Option<Lifetime> {
 
 /// Contrasts the numbers of pairs by independent differences.
 fn contrast_numbers(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64]) -> Option<Contrast> {
+    // The stream has the metric's name, so that a metric has the same interval whichever others are compared beside it.
     let random = &mut rng::stream(SEED, &format!("bootstrap/{LETTER}/{}", metric.name));
     let estimate = estimate_mean(differences, random)?;
     let ranks = SignedRanks::from_differences(differences);
     let method = |method: MeanMethod| match (estimate.p_value, method) {
+        // A t-test of equal differences divides by zero; the ranks still have a p-value.
         (None, _) => Method::Ranks,
         (Some(_), MeanMethod::StudentsT) => Method::StudentsT,
         (Some(_), MeanMethod::StudentisedBootstrap) => Method::StudentisedBootstrap,
@@ -324,6 +330,7 @@ fn contrast_rates(metric: &Metric, pairs: &[[f64; 2]], differences: &[f64], stra
         seeds: differences.len(),
         means: means(pairs),
         difference: series.mean()?,
+        // Differences of rates within a seed are not -1, 0 and 1, so McNemar's test does not apply to them.
         interval: mean_rate_difference_interval(differences, strata),
         method: Method::Answers,
         p_value: SignedRanks::from_differences(differences).map(|ranks| ranks.p_value),
@@ -350,6 +357,7 @@ fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) 
         answers.add(ours, theirs);
         differences.add(f64::from(i8::from(theirs) - i8::from(ours)));
     });
+    // McNemar's test is of the pairs that differ; of none it has no p-value.
     let differ = answers.only_first + answers.only_second > 0;
     Some(Contrast {
         metric: metric.clone(),
@@ -363,6 +371,7 @@ fn contrast_answers(metric: &Metric, pairs: impl Iterator<Item = (bool, bool)>) 
         p_method: Method::Answers,
         effect_dz: None,
         spread: differences.standard_deviation(),
+        // Differences of -1, 0 and 1 have equal ranks: the test of ranks would only approximate McNemar's, which is exact.
         ranks: None,
         cut_off: None,
     })

@@ -54,6 +54,7 @@ impl From<&Comparison> for Document {
             document.add_list(settings.lines(*letter, pairs));
             document.add(Block::Text(settings.conclusion(*letter)));
             document.add(Block::Text(pairing(pairs, *letter)));
+            // Without a pair of finished runs there are no figures to explain.
             if judged.is_empty() {
                 continue;
             }
@@ -68,6 +69,7 @@ impl From<&Comparison> for Document {
         document.add_list(
             missing.map(|(letter, metric)| format!("{metric}: no seed has a value in both A and {letter}")).collect(),
         );
+        // The legends explain figures, of which there are none.
         if comparison.against_a.iter().all(|against| against.judged.is_empty()) {
             return document;
         }
@@ -83,6 +85,7 @@ impl From<&Comparison> for Document {
             document.add(Block::Text(EQUIVALENCE_LEGEND.into()));
         }
         let mut contrasts = comparison.against_a.iter().flat_map(|against| &against.judged);
+        // Below 10 seeds the bootstrap gives way to Student's t, whose coverage of skewed numbers is the poorer one.
         if contrasts.any(|judged| judged.contrast.seeds < 10) {
             document.add(Block::Text(FEW_PAIRS.into()));
         }
@@ -113,9 +116,11 @@ fn pairing(pairs: &Pairs, letter: char) -> String {
         text += &format!(
             " Left out because a run failed: {only_a} in A only, {only_other} in {letter} only, {both} in both"
         );
+        // Failures are seldom independent of the outcome, so a mean over the remaining pairs is biased.
         text +=
             if runs == 0 { "." } else { "; if the hard runs are those that failed, these figures are too optimistic." };
     }
+    // Without columns there is a single condition, and the sentence above says already that no pair finished.
     if !(pairs.unfinished_strata.is_empty() || pairs.columns.is_empty()) {
         let strata = pairs.strata.len()..pairs.strata.len() + pairs.unfinished_strata.len();
         let conditions: Vec<String> = strata.map(|index| pairs.stratum_text(index)).collect();
@@ -138,6 +143,7 @@ fn levels(pairs: &Pairs) -> String {
         let mut values: Vec<String> = Vec::new();
         for stratum in &pairs.strata {
             let value = visible_start(&stratum.levels[index]);
+            // Values stay in the order of the strata; sorted as text, 10 would precede 9.
             if !values.contains(&value) {
                 values.push(value);
             }
@@ -183,7 +189,9 @@ fn forest_row(judged: &JudgedContrast) -> ForestRow {
         "" | "1" => String::new(),
         symbol => format!(" {symbol}"),
     };
+    // A percentage of a mean of zero is no number; the difference itself is still shown.
     let of_zero = if *mean_a == 0.0 { "; A's mean is 0" } else { "" };
+    // The divisor is the size of the mean: by a negative one, a higher value would be drawn as a lower one.
     let percent = |value: f64| 100.0 * value / mean_a.abs();
     ForestRow {
         difference: row.difference.filter(|_| *mean_a != 0.0).map(|Estimate { value, interval }| Estimate {
@@ -213,6 +221,7 @@ fn tests(against: &ComparisonToA) -> Table {
     let has_strata = has_strata(against);
     let rows = against.judged.iter().map(|judged| {
         let contrast = &judged.contrast;
+        // Strata have one test for all of them, so the p-value is that of the metric and not of a stratum.
         let of_strata = judged.by_stratum.as_ref().and_then(|strata| strata.p_adjusted);
         let cells = [
             contrast.metric.name.to_string(),
@@ -236,6 +245,7 @@ fn or_dash(value: Option<String>) -> String {
 /// The strata of every metric in which they say something else than the mean, each with its own verdict.
 fn strata(against: &ComparisonToA) -> Vec<Block> {
     let ComparisonToA { letter, pairs, judged, .. } = against;
+    // Strata that agree with the mean are left out: a table of all would hide those that do not.
     let blocks = judged.iter().filter_map(|judged| {
         let found = judged.by_stratum.as_ref().filter(|_| judged.varies_by_stratum())?;
         let JudgedStrata { by, strata, p_adjusted, .. } = found;

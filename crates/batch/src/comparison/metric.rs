@@ -72,6 +72,7 @@ impl Metric {
             metric.columns().iter().all(|column| tables.iter().all(|table| table.place(column).is_some()))
         };
         if names.is_empty() {
+            // Files of older versions lack some of the defaults, which is an error only if a metric is asked for by name.
             return Ok(DEFAULTS.iter().map(|name| Self::from_name(name)).filter(in_all).collect());
         }
         let mut metrics: Vec<Self> = Vec::new();
@@ -80,6 +81,7 @@ impl Metric {
             if !in_all(&metric) {
                 return Err(unknown(name, tables));
             }
+            // A metric named twice would count twice in Holm's adjustment and weaken all others.
             if !metrics.contains(&metric) {
                 metrics.push(metric);
             }

@@ -182,6 +182,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
         &settings[table.expect("a side is of one of the tables")]
     };
+    // One stopped side is enough for the usual intervals to fail; the strictest of several errors holds for all sides.
     let error_of_rules =
         settings.iter().flatten().filter_map(|settings| settings.plan().error_of_rule()).reduce(f64::min);
     let [a, others @ ..] = &sides[..] else { unreachable!("there is a table, and it has runs") };
@@ -206,6 +207,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         against_a.push(Untested { letter: other.letter, settings, pairs, contrasts });
     }
     let sides = sides.iter().map(summary).collect();
+    // All sides are judged at once, since Holm's adjustment is over all tests that the reader sees.
     Ok(Comparison { sides, against_a: judged(against_a), missing, questions: Questions::default() })
 }
 
@@ -253,10 +255,12 @@ fn judged(against_a: Vec<Untested>) -> Vec<ComparisonToA> {
 
 /// Judges contrasts as one family: adjusts their p-values together, and those of all of their strata.
 pub(crate) fn judge(contrasts: Vec<UntestedContrast>) -> Vec<JudgedContrast> {
+    // The mean over all strata is what was asked; a family with the strata in it would cost it power.
     let mut overall = TestFamily::from_contrasts(contrasts.iter().map(|it| &it.contrast));
     let by_stratum = || contrasts.iter().filter_map(|it| it.by_stratum.as_ref());
     let mut within =
         TestFamily::from_contrasts(by_stratum().flat_map(|it| it.contrasts.iter().map(|(_, contrast)| contrast)));
+    // The tests of interaction answer a third question, and are adjusted among themselves.
     let mut tests = adjusted(by_stratum().map(|it| Some(it.test?.p_value))).into_iter();
     contrasts
         .into_iter()
@@ -298,7 +302,9 @@ impl TestFamily {
     fn judge(&mut self, contrast: Contrast) -> JudgedContrast {
         let p_adjusted = self.means.next().flatten();
         let ranks_p_adjusted = self.ranks.next().flatten();
+        // Runs of a stopping rule have no p-values: the usual ones do not hold at a number of runs that the data chose.
         let verdict = match contrast.method {
+            // The interval of a confidence sequence excludes zero exactly where its test rejects, at every number of seeds.
             Method::Sequence => Verdict::from_interval(contrast.interval),
             _ => Verdict::from_p_values(contrast.p_value, p_adjusted),
         };

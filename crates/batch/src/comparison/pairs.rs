@@ -43,17 +43,21 @@ type PairKey = (u64, usize);
 
 impl Pairs {
     pub fn new(first: &Side<'_>, second: &Side<'_>) -> Result<Self, ComparisonError> {
+        // Columns that differ between the sides but not within them are what is compared, and must not keep runs from pairing.
         let columns = varying_columns(first, second);
         let mut numbers = BTreeMap::new();
+        // The sides share the numbers of conditions, or equal conditions would not have equal keys.
         let [ours, theirs] = [keyed(first, &columns, &mut numbers)?, keyed(second, &columns, &mut numbers)?];
         let mut pairs = Self::default();
         let mut partners = theirs.iter().peekable();
+        // Both lists are in the order of their keys, so one pass pairs them without a search for each run.
         for (key, run) in &ours {
             while partners.next_if(|(other, _)| other < key).is_some() {
                 pairs.without_partner[1] += 1;
             }
             match partners.next_if(|(other, _)| other == key) {
                 Some((_, partner)) => {
+                    // Pairs of failed runs count here too: strata without a finished pair are reported, and not silently absent.
                     pairs.planned.push((*run, *partner, key.1));
                     if pairs.add((*run, first.is_done(*run)), (*partner, second.is_done(*partner))) {
                         pairs.stratum_of.push(key.1);
@@ -109,6 +113,7 @@ impl Pairs {
         let mut index_of = vec![0; numbers.len()];
         let mut levels_of: Vec<(usize, Vec<String>)> =
             numbers.into_iter().map(|(levels, number)| (number, levels)).collect();
+        // Strata keep the order in which the first side met them, which is that of its plan and not that of their text.
         levels_of.sort_unstable();
         let (paired, unpaired): (Vec<_>, Vec<_>) = levels_of.into_iter().partition(|&(number, _)| counts[number] > 0);
         for (number, levels) in paired {
@@ -116,6 +121,7 @@ impl Pairs {
             self.strata.push(Stratum { levels, pairs: counts[number] });
         }
         let planned: BTreeSet<usize> = self.planned.iter().map(|&(.., number)| number).collect();
+        // Conditions that only one side has are no stratum without finished pairs; they had no pairs to begin with.
         for (number, levels) in unpaired.into_iter().filter(|(number, _)| planned.contains(number)) {
             index_of[number] = self.strata.len() + self.unfinished_strata.len();
             self.unfinished_strata.push(Stratum { levels, pairs: 0 });

@@ -80,6 +80,7 @@ impl PublishedComparison {
     pub fn from_batch(path: &Path, selection: &Selection) -> Result<Self, ComparisonError> {
         let columns = STATES.map(|(_, column, _)| column).into_iter().chain(CPU_TIMES.map(|(_, column, _)| column));
         let file = runs_table::open(path)?;
+        // The check by name comes first, so the error for a table of drives names a column and no value.
         if let Some(column) = columns.clone().find(|column| file.place(column).is_none()) {
             return Err(ComparisonError::NotATableOfRuns { path: path.to_owned(), column });
         }

@@ -46,6 +46,7 @@ impl FromStr for Amount {
     /// Reads a number and a unit, such as `1`, `5 ms` or `2%`.
     fn from_str(text: &str) -> Result<Self, String> {
         let trimmed = text.trim();
+        // Signs are part of the number so that `-1` is refused as a number and not as an unknown unit.
         let end = trimmed.find(|letter: char| !(letter.is_ascii_digit() || "+-.".contains(letter)));
         let (number, symbol) = trimmed.split_at(end.unwrap_or(trimmed.len()));
         let expected = "expected a number above 0, and a unit or none: 1, 5 ms, 2 %, 0.5 m";
@@ -57,6 +58,7 @@ impl FromStr for Amount {
                 symbol.trim()
             )
         })?;
+        // The upper bound also excludes infinity, which parses as a number.
         if !(value > 0.0 && value <= 1e12) {
             return Err(expected.to_owned());
         }
@@ -125,12 +127,14 @@ impl Comparison {
     pub fn asking(mut self, questions: Questions) -> Result<Self, ComparisonError> {
         let option =
             questions.power.as_ref().map(|_| "--power").or(questions.equivalent.as_ref().map(|_| "--equivalent"));
+        // Power and equivalence assume a number of seeds that was fixed before the runs.
         if let Some(option) = option.filter(|_| self.is_of_stopped_runs()) {
             return Err(ComparisonError::StoppedByRule { option });
         }
         let metrics = || self.against_a.iter().flat_map(|against| &against.judged);
         for (option, amount) in [("--power", &questions.power), ("--equivalent", &questions.equivalent)] {
             let Some(amount) = amount else { continue };
+            // A unit that no metric has is a slip of the keyboard; without this error the columns would be dashes only.
             if metrics().next().is_some() && !metrics().any(|it| amount.of(it.contrast.metric.about.unit).is_some()) {
                 let mut units: Vec<String> = metrics()
                     .map(|judged| &judged.contrast.metric)
@@ -147,6 +151,7 @@ impl Comparison {
         }
         for judged in self.against_a.iter_mut().flat_map(|against| &mut against.judged) {
             let contrast = &judged.contrast;
+            // Metrics of another unit are left unanswered, as one amount cannot be a margin for metres and for seconds.
             let amount = |requested: &Option<Amount>| requested.as_ref()?.of(contrast.metric.about.unit);
             judged.power = amount(&questions.power).and_then(|size| PowerAnswer::new(contrast, size));
             judged.equivalence = amount(&questions.equivalent).and_then(|margin| {

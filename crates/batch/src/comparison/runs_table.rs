@@ -79,6 +79,7 @@ pub fn open(path: &Path) -> Result<TableReader, ComparisonError> {
         TableError::Unreadable { path, source }
             if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
         {
+            // A plan without a table is a batch that was stopped; the error then says how to finish it.
             match path.parent().filter(|folder| folder.join(PLAN_FILE).is_file()) {
                 Some(folder) if path.ends_with(RUNS_FILE) => ComparisonError::Stopped { folder: folder.to_owned() },
                 _ => ComparisonError::NoBatch { path },
@@ -102,6 +103,7 @@ impl RunsTable {
         let mut conditions: Vec<(usize, RunCondition, BTreeMap<Vec<u8>, u32>)> = Vec::new();
         for (place, name) in table.columns().iter().enumerate().take_while(|(_, name)| *name != "status") {
             if name != "seed" && name != "run" {
+                // The name of the run and its seed identify a row; as conditions they would make each run its own stratum.
                 let condition = RunCondition { name: name.clone(), levels: Vec::new(), of_run: Vec::new() };
                 conditions.push((place, condition, BTreeMap::new()));
             }
@@ -129,6 +131,7 @@ impl RunsTable {
             let message =
                 table.place("message").map_or(Cow::Borrowed(""), |place| String::from_utf8_lossy(table.bytes(place)));
             queries.push(QueryTally::of_run(|column| count(column).unwrap_or(0), &message));
+            // Only finished runs are checked: a failed run has no states whose sum could be wrong.
             if let Some(reason) = done.last().filter(|done| **done).and_then(|_| impossible_states(&count)) {
                 impossible.insert(seeds.len() - 1, reason);
             }
@@ -139,6 +142,7 @@ impl RunsTable {
             // Levels are numbered as they come: texts are kept once, not once a run.
             for (place, condition, index_of) in &mut conditions {
                 let level = table.bytes(*place);
+                // Each value is checked, as whoever wrote the table chose how many there are.
                 if level.len() > MAX_LEVEL_BYTES || index_of.len() > MAX_LEVELS {
                     return Err(table.wrong_value(*place, "at most 1000 bytes, and 10000 values in all").into());
                 }

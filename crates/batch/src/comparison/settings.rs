@@ -62,6 +62,7 @@ impl RecordedSettings {
         let mut variant_of = Vec::with_capacity(table.seeds.len());
         for run in 0..table.seeds.len() {
             let levels: Vec<u32> = table.conditions.iter().map(|condition| condition.of_run[run]).collect();
+            // A scenario is looked for once for each combination of levels, as a table may have a million rows.
             let variant = match index_of.get(&levels) {
                 Some(&variant) => variant,
                 None => variant_of_run(&plan, table, run)?,
@@ -115,6 +116,7 @@ fn shown_path(table: &RunsTable) -> String {
 
 impl SettingsDifference {
     /// Compares the settings of planned pairs of runs of both sides, each side with the settings of its table.
+    // Planned pairs count and not finished ones: what makes runs fail is often the setting that differs.
     pub fn between(sides: [&Side<'_>; 2], settings: [&Result<RecordedSettings, String>; 2], pairs: &Pairs) -> Self {
         let seeds = sides.map(seeds_of);
         let seeds = (seeds[0] != seeds[1]).then_some(seeds);
@@ -172,6 +174,7 @@ impl SettingsDifference {
     pub fn conclusion(&self, letter: char) -> String {
         if !self.unknown.is_empty() {
             let sides: Vec<String> = self.unknown.iter().map(|(side, _)| side.to_string()).collect();
+            // Two tables in one folder have one reason, which is given once.
             let mut reasons: Vec<&str> = self.unknown.iter().map(|(_, reason)| reason.as_str()).collect();
             reasons.dedup();
             let (of, why) = (listed(&sides), reasons.join("; "));
@@ -180,11 +183,13 @@ impl SettingsDifference {
             );
         }
         match self.effective().count() {
+            // Several keys may belong to one planner; that both sides differ in the planner is still one cause.
             _ if self.is_the_planners() => {
                 "All other settings and the program are equal: the difference is the planner's.".into()
             }
             0 if self.program_versions.is_some() => "All settings are equal, the programs are not.".into(),
             0 => "All settings and the program are equal: only measured times can differ.".into(),
+            // A single value is named as the cause only if the program is the same too.
             1 if self.program_versions.is_none() => {
                 "All other settings and the program are equal: the difference is that of this value.".into()
             }
@@ -244,6 +249,7 @@ fn differences(ours: &RecordedSettings, theirs: &RecordedSettings, pairs: &Pairs
     for difference in &mut found {
         difference.strata.sort_unstable();
         difference.strata.dedup();
+        // Without a list a difference holds everywhere; naming all strata would suggest an exception.
         if difference.strata.len() == pairs.strata.len() + pairs.unfinished_strata.len() {
             difference.strata.clear();
         }
@@ -262,6 +268,7 @@ pub(super) fn merged(scenarios: [&Json; 2]) -> Vec<(String, [Option<Json>; 2])> 
     for difference in &all {
         let key = match parts_of_agent(&difference.key) {
             Some((list, step)) => {
+                // The count must be that of both lists: with agents added on one side, the value is not common to all.
                 let counts = scenarios.map(|scenario| scenario[list].as_array().map_or(0, Vec::len));
                 let same = all.iter().filter(|other| {
                     parts_of_agent(&other.key) == Some((list, step)) && other.values == difference.values

@@ -33,6 +33,7 @@ impl<'a> Side<'a> {
     /// Creates one side per table, or the parts of a single one.
     pub fn from_tables(tables: &'a [RunsTable], selection: &Selection) -> Result<Vec<Self>, ComparisonError> {
         let mut sides = match (tables, &selection.by) {
+            // A single table is divided by the one condition that varies; with several, choosing one would be a guess.
             ([table], None) => parts(table, the_varying_condition(table, selection)?, &[], selection)?,
             (tables, None) => tables.iter().map(|table| whole(table, selection)).collect::<Result<_, _>>()?,
             (tables, Some((column, levels))) => {
@@ -112,8 +113,10 @@ fn parts<'a>(
 ) -> Result<Vec<Side<'a>>, ComparisonError> {
     let whole = whole(table, selection)?;
     let levels = if levels.is_empty() {
+        // Values keep the order of their first runs, which is that of the plan, so A is the first value that was swept.
         let mut present: Vec<u32> = Vec::new();
         for &run in &whole.runs {
+            // One value more than there are letters is enough for the error: a free column has as many values as rows.
             if !present.contains(&by.of_run[run]) && present.len() <= MAX_SIDES {
                 present.push(by.of_run[run]);
             }
@@ -122,6 +125,7 @@ fn parts<'a>(
     } else {
         levels.iter().map(|value| level(table, by, value)).collect::<Result<_, _>>()?
     };
+    // A single part has nothing to be compared with.
     if let [only] = levels[..] {
         let column = visible_start(&by.name);
         let value = visible_start(&by.levels[only as usize]);

@@ -15,7 +15,9 @@ pub fn sentence(
 ) -> String {
     let scale = phrase.map_or(1.0, |phrase| phrase.scale);
     let is_less = difference < 0.0;
+    // The word gives the direction, so the amount is positive: "saves -3 more" reads as its opposite.
     let scaled = |value: f64| if is_less { -scale * value } else { scale * value };
+    // The width of the interval says how many digits mean something; without one the difference has to.
     let decimals = interval.map_or_else(|| two_digits(difference * scale), |it| decimals_of_interval(it, scale));
     let amount = number(scaled(difference), decimals);
     let text = match phrase {

@@ -70,6 +70,7 @@ pub fn attain(
 /// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
 fn exhaust(start: &Simulation, budget: HindsightBudget) -> Result<Option<HindsightBound>, RunError> {
     let mut tree = DecisionTree { choices: budget.choices, left: budget.runs, best: None };
+    // A tree that is played in part is no bound; the budget is then better spent on the search.
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
     }
@@ -107,6 +108,7 @@ struct DecisionTree {
 impl DecisionTree {
     /// Plays all that may follow; false if the budget ends before.
     fn descend(&mut self, before: &Simulation, answers: &mut Answers) -> Result<bool, RunError> {
+        // The budget is in runs and not in seconds, so that the result is the same on every machine.
         if self.left == 0 {
             return Ok(false);
         }
@@ -116,14 +118,17 @@ impl DecisionTree {
             .decisions()
             .iter()
             .find(|decision| {
+                // Decisions until now are settled by the answers that led here; a truck with one option has nothing to choose.
                 decision.agent.id.role.suppresses() && decision.options.len() > 1 && decision.time > before.now()
             })
             .cloned();
+        // It must be strictly less: a run that no choice improves is reported without answers, as it is itself played first.
         if self.best.as_ref().is_none_or(|(best, _)| run.lost() < best.lost()) {
             self.best = Some((run, answers.clone()));
         }
         let Some(decision) = next else { return Ok(true) };
         let mut node = before.fork()?;
+        // The run stops one nanosecond before, as an answer must be forced before the policy is asked.
         node.advance_to(decision.time - SimTime::from_nanos(1));
         for cell in nearest_options(&decision, node.fires().frame(), None).into_iter().take(self.choices) {
             let mut child = node.fork()?;
@@ -131,6 +136,7 @@ impl DecisionTree {
             child.advance_to(decision.time);
             answers.insert(decision.time, (decision.agent.id, cell));
             let is_whole = self.descend(&child, answers)?;
+            // The next branch must not inherit this answer.
             answers.remove(&decision.time);
             if !is_whole {
                 return Ok(false);
@@ -169,6 +175,7 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
             }
             for cell in nearest_options(&decision, search.before.fires().frame(), None).into_iter().take(budget.choices)
             {
+                // The first two would play a run that is known; without budget the rest of the pass only goes through.
                 if Some((agent.id, cell)) == taken || Action::Go(cell) == decision.choice || search.left == 0 {
                     continue;
                 }
@@ -219,6 +226,7 @@ pub fn attain_all(
     seeds
         .par_iter()
         .map(|&seed| {
+            // Results are collected in the order of the seeds, whichever ends first.
             let attained = attain(scenario, seed, options, budget)?;
             on_seed();
             Ok(attained)

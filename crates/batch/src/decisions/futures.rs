@@ -136,8 +136,10 @@ impl SelectedDecisions {
         let mut played = 0;
         // In rounds: most decisions are settled by few futures, and only the others get all.
         for part in ROUNDS {
+            // The spread needs four futures, even where a fifth of those asked for is less.
             let until = ((f64::from(self.futures) * part).round() as u32).clamp(FEWEST_FUTURES, self.futures);
             let mut open: Vec<&mut DecisionValue> =
+                // In the first round nothing has been played, and a decision without gains is not settled.
                 report.worths.iter_mut().filter(|worth| played == 0 || !worth.is_settled(count)).collect();
             if until == played || open.is_empty() {
                 continue;
@@ -146,6 +148,7 @@ impl SelectedDecisions {
             // Some pieces a thread, as decisions early in a run take longer to play on.
             let piece = open.len().div_ceil(PIECES_A_THREAD * rayon::current_num_threads());
             open.par_chunks_mut(piece).try_for_each(|piece| {
+                // Each piece has a runner of its own: its decisions are by time, so the runner goes on from one to the next.
                 let mut bench = CounterfactualRunner::new(scenario, seed, options)?;
                 piece.iter_mut().try_for_each(|worth| {
                     bench.play_round(worth, played..until)?;
@@ -181,12 +184,14 @@ impl SelectedDecisions {
             }
             let selected = set_out.get(&(agent, time)).copied();
             let cells = nearest_options(decision, run.fires().frame(), selected).into_iter();
+            // The choice that was taken is one of those played.
             let others = cells.take(self.choices.saturating_sub(1)).map(AlternativeAction::new).collect();
             decisions.push(DecisionValue { decision: decision.clone(), selected, others });
         }
         let count = decisions.len();
         match self.sample {
             Some(sample) if sample < count => {
+                // Samples lie at the middles of equal parts, so early and late decisions are represented alike.
                 (0..sample).map(|number| decisions[(2 * number + 1) * count / (2 * sample)].clone()).collect()
             }
             _ => decisions,
@@ -218,6 +223,7 @@ impl CounterfactualRunner {
     /// Plays the choices of a decision, which is not earlier than the last, in some futures.
     fn play_round(&mut self, worth: &mut DecisionValue, futures: Range<u32>) -> Result<(), RunError> {
         let DecisionValue { decision, others, .. } = worth;
+        // Before time 0 there is no instant to stop at.
         if decision.time > SimTime::ZERO {
             self.before.advance_to(decision.time - SimTime::from_nanos(1));
         }
@@ -226,8 +232,10 @@ impl CounterfactualRunner {
             Action::Go(cell) => Some(cell),
             _ => None,
         };
+        // What trucks lose is what an arsonist gains.
         let sign = if decision.agent.id.role.suppresses() { 1.0 } else { -1.0 };
         for future in futures {
+            // Choices are compared in one future, so that their difference is theirs and not that of the luck in it.
             let lost = self.play(decision, kept, future)?;
             for other in others.iter_mut() {
                 other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));

@@ -81,6 +81,7 @@ pub fn judge_batch(
 ) -> Result<Vec<DecisionTally>, JudgeError> {
     let plan = batch.plan();
     let path = batch.folder().join(DECISIONS_PARQUET);
+    // Groups of rows go to the file as they fill, as a batch of 1,000 runs has more choices than fit into memory.
     let mut file = new_file(path, &RealDisk, plan, TableOfRows::Decisions, ROWS_A_GROUP)?;
     let mut tallies = vec![DecisionTally::default(); plan.variants.len()];
     for run in batch.runs() {

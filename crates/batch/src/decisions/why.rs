@@ -99,6 +99,7 @@ impl WhyReport {
             count_that_were(&mistakes, ["a mistake", "mistakes"]),
             count_that_were(&good, ["clearly best", "clearly best"])
         ));
+        // Where every other choice is worse, the best one is to stay with what was done, which gains nothing.
         let best = worths.iter().filter_map(|worth| worth.others.first()).map(|best| best.mean.max(0.0)).sum::<f64>();
         let best = best / worths.len() as f64;
         sentences.push(format!(
@@ -110,6 +111,7 @@ impl WhyReport {
     }
 
     fn table(&self) -> Table {
+        // The gain decides and not the time: the table is cut off, and the costliest mistakes must be in it.
         let mut ranked: Vec<&DecisionValue> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
         ranked.sort_by(|a, b| b.others[0].mean.total_cmp(&a.others[0].mean));
         let rows = ranked.iter().take(LISTED).map(|worth| {

@@ -88,6 +88,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
     // Refused before anything is built.
     estimate.meter(limit)?;
     let mut stopwatch = CpuStopwatch::start();
+    // All planners share one field, as building it takes longer than most queries.
     let field = Arc::new(ClearanceField::new(problem.terrain.frame, &problem.terrain.occupied));
     let checker = CollisionChecker::new(field, problem.truck.vehicle);
     let field_time = stopwatch.elapsed_since_last();
@@ -101,6 +102,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         let mut stopwatch = CpuStopwatch::start();
         let ground = truck.ground_speed(kinds.as_ref());
         let context = TruckPlannerContext {
+            // The number of a run's first truck names the random streams, see above.
             truck: 0,
             seed,
             checker: &checker,
@@ -119,6 +121,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
             stopwatch.elapsed_since_last();
             let plan = prepared.plan(problem.start, target);
             let spent = stopwatch.elapsed_since_last();
+            // A planner that is an external program measures its own time, which this process's clock does not see.
             let query = plan.cpu.map_or(spent, |cpu| cpu.time);
             let expansions = u64::from(plan.effort.roadmap_expansions) + u64::from(plan.effort.local_expansions);
             let drive = plan.path.map(|path| opinion.drive(target, path));
@@ -129,6 +132,7 @@ pub fn attempts<'a>(problem: &'a Problem, question: &AttemptSettings<'_>) -> Res
         by_planner.push(attempts.into_iter());
         // Each planner is gone when the next is made: its memory is no longer taken.
         drop(prepared);
+        // A planner may exceed its estimate while it answers, and its memory is checked before the next one is built.
         estimate.overrun(&memory, limit).map_or(Ok(()), |exceeded| Err(AttemptError::from(exceeded)))?;
     }
     // Rows are by goal and then by planner, while planners were built one by one.

@@ -50,6 +50,7 @@ impl CertificateFile {
     /// valid path, and adds its bound to the rows of these attempts.
     pub fn new(attempts: &[Attempt], drives: &mut DriveTable) -> Self {
         let mut certificates = Vec::new();
+        // A checker holds the clearance field of a whole landscape, which all goals of a problem share.
         let mut cached: Option<(&Problem, CollisionChecker)> = None;
         let is_one_goal =
             |one: &Attempt, next: &Attempt| std::ptr::eq(one.problem, next.problem) && one.goal == next.goal;
@@ -59,6 +60,7 @@ impl CertificateFile {
             done += group.len();
             let lengths = rows.iter().filter_map(|row| Some(row.solved()?.length_m));
             let problem = group[0].problem;
+            // The shortest valid path of any planner is as far as a proof has to reach.
             let (Some(shortest_m), Goal::Pose(goal)) = (lengths.min_by(f64::total_cmp), problem.goals[group[0].goal])
             else {
                 continue;
@@ -138,6 +140,7 @@ impl CertificateCheck {
         checker: &CollisionChecker,
     ) -> Self {
         let numbers = |pose: Pose| [pose.x, pose.y, pose.heading];
+        // Starts must be equal bit for bit: a proof for a start that is a micrometre off proves nothing about this one.
         let matches = certificate.start == numbers(ends.0)
             && matches!(ends.1, Goal::Pose(pose) if certificate.goal == numbers(pose));
         let found = if matches {
@@ -199,6 +202,7 @@ impl From<&CertificateReport> for Document {
             0 => "No certificate was checked".to_owned(),
             all => format!("{sound} of {} hold", count(all, "certificate")),
         });
+        // A table of hundreds of rows cannot be read, and what is refused is listed below it anyway.
         if (1..=SHOWN_ROWS).contains(&report.rows.len()) {
             let rows = report.rows.iter().map(|row| {
                 let verdict = if row.fault.is_some() { "refused" } else { "holds" };

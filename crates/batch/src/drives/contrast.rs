@@ -60,6 +60,7 @@ impl DriveContrast {
 fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveContrast> {
     let theirs = by_goal(rows, against);
     let pairs: Vec<[&DriveQuery; 2]> =
+        // The other planner comes first, as a contrast is that of its second numbers from its first.
         by_goal(rows, planner).into_iter().filter_map(|(goal, row)| Some([*theirs.get(&goal)?, row])).collect();
     let contrast = |metric: &'static str, heading, kind, numbers: &[[f64; 2]]| {
         // The name tells the random stream of its bootstrap.
@@ -85,6 +86,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     let success = contrast("success", "success", MetricKind::Answer { column: "success", yes: "true" }, &solved);
     let figures = FIGURES.iter().filter_map(|(heading, measure)| {
         let numbers: Vec<[f64; 2]> = (pairs.iter())
+            // A goal that only one planner solved has one length; a mean over it would favour whoever fails on far goals.
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))
             .filter_map(|[theirs, ours]| Some([measure.number(theirs)?, measure.number(ours)?]))
             .collect();

@@ -48,8 +48,10 @@ fn table<T>(columns: &[TextColumn<T>], rows: &[T]) -> Table {
 /// Returns a row for each goal and planner, with the cost of queries if all have one, otherwise a verdict.
 pub fn rows_table(rows: &[DriveQuery]) -> Table {
     let mut columns: Vec<TextColumn<DriveQuery>> = Vec::new();
+    // Paths that came from a file have no planning time.
     let has_cost = rows.iter().all(|row| row.cost.is_some());
     let differs = |is_same: fn(&DriveQuery, &DriveQuery) -> bool| rows.iter().any(|row| !is_same(row, &rows[0]));
+    // A column that is the same in all rows takes the width that a terminal of 80 characters needs for figures.
     if !has_cost || differs(|one, other| one.planner == other.planner) {
         columns.push(("Planner", |row| visible_start(&row.planner)));
     }
@@ -144,6 +146,7 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
         let mut cells = vec![shortened(&summary.planner, LONGEST_PLANNER), summary.solved.to_string()];
         cells.extend(cells_of(Some(percent), 0).into_iter().skip(1));
         cells.extend(median_cells(summary, &LOWER_BOUND_RATIO, |_| 2));
+        // Digits fall with size, so the column keeps its width from microseconds to minutes.
         cells.extend(median_cells(summary, &CPU_QUERY, |ms| if ms < 10.0 { 2 } else { usize::from(ms < 100.0) }));
         cells.extend(median_cells(summary, &CLEARANCE, |metres| if metres < 10.0 { 2 } else { 1 }));
         cells

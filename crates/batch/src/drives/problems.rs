@@ -39,6 +39,7 @@ impl DriveProblems {
 
     /// Returns the problems of the files, or that of the scenario; each has a unique name and at least one goal.
     pub fn load(&self, scenario: &Scenario, seed: u64) -> Result<Vec<Problem>, DriveError> {
+        // The check comes before any file is read: a number of goals is an option, whatever the files hold.
         if let Some(found) = self.goals.or(self.cells).filter(|count| !(1..=MAX_GOALS).contains(count)) {
             return Err(DriveError::GoalCount { found });
         }
@@ -53,8 +54,10 @@ impl DriveProblems {
         };
         if let Some(count) = self.cells {
             let reach_m = scenario.suppression.reach_m.ok_or(DriveError::NoReach)?;
+            // Goals at bushes replace those of the files, which may have none.
             problems.iter_mut().for_each(|problem| problem.goals = bushes(problem, count, reach_m, seed));
         }
+        // A table without rows would look like a planner that solved everything.
         match problems.iter().find(|problem| problem.goals.is_empty()) {
             None => Ok(problems),
             Some(problem) => {

@@ -77,6 +77,7 @@ pub fn requested_planners(names: &[PlannerName], scenario: &Scenario) -> Vec<Pla
     });
     let mut planners = Vec::new();
     for planner in named.chain(default_planner.filter(|_| names.is_empty())) {
+        // A planner that is named twice, or by name and by `all`, would have two rows for each goal.
         if !planners.contains(&planner) {
             planners.push(planner);
         }

@@ -105,6 +105,7 @@ pub struct PlannerSummary {
 impl PlannerSummary {
     /// Summarises a table variant by variant, planner by planner.
     pub fn all(table: &DriveTable) -> Vec<Self> {
+        // Planners keep the order of the table, in which they were named, and are not sorted by name.
         let planners = table.planners();
         let places: BTreeMap<&str, usize> = planners.iter().enumerate().map(|(place, name)| (&**name, place)).collect();
         let mut summaries: BTreeMap<(usize, usize), Self> = BTreeMap::new();
@@ -126,6 +127,7 @@ impl PlannerSummary {
         }
         let mut summaries: Vec<Self> = summaries.into_values().collect();
         let lists = summaries.iter_mut().flat_map(|summary| summary.values.values_mut());
+        // Quantiles and order statistics need sorted values; sorted once, each is a look-up.
         lists.for_each(|values| values.sort_by(f64::total_cmp));
         summaries
     }

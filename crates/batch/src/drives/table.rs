@@ -92,6 +92,7 @@ impl DriveTable {
             self.columns().for_each(|column| lines.add_field(&(column.value)(query)));
             lines.end();
         }
+        // The file appears when it is whole, so an interruption leaves no half table.
         let mut file = WholeFile::create(path)?;
         file.write_all(&lines.into_bytes())?;
         file.finish()
@@ -129,6 +130,7 @@ impl<'a> TableReading<'a> {
         for (place, column) in columns.iter_mut().zip(DRIVE_COLUMNS) {
             match reader.place(column.name) {
                 Some(found) => *place = found,
+                // Tables that older versions wrote have no violations.
                 None if column.name == VIOLATION => {}
                 None => {
                     let expected = "expected a table that `wildfire plan --csv` or `wildfire judge --csv` wrote";
@@ -138,6 +140,7 @@ impl<'a> TableReading<'a> {
         }
         let seed = reader.place(SEED);
         let certified = reader.place(CERTIFIED_COLUMN.name);
+        // What the program does not know is a key that was swept: its name is the user's.
         let keys: Vec<usize> = (0..reader.columns().len())
             .filter(|place| !(columns.contains(place) || [seed, certified].contains(&Some(*place))))
             .collect();
@@ -180,6 +183,7 @@ impl<'a> TableReading<'a> {
             _ => return Err(reader.wrong_value(success, "true or false")),
         };
         let violation = self.has_value(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
+        // A drive that is neither a success nor a violation must say why, or it would count as failed for no reason.
         let failure = (!success && violation.is_none() || self.has_value(reason))
             .then(|| {
                 let failure = DriveFailure::parse(reader.bytes(reason));
@@ -276,6 +280,7 @@ impl<'a> TableReading<'a> {
             return Err(self.too_much(&format!("more than {MAX_VARIANTS} combinations of {keys}")));
         }
         self.hold(texts.iter().map(String::len).sum())?;
+        // Numbers become numbers again, so that keys sort by value in charts.
         self.table.variants.push(texts.iter().map(|text| Setting::parse(text).value).collect());
         self.variants.insert(texts, number);
         Ok(number)

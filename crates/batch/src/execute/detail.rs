@@ -114,12 +114,14 @@ impl TryFrom<CallFields> for PlannerCall {
 
     fn try_from(fields: CallFields) -> Result<Self, &'static str> {
         let CallFields(agent, nanos, col, row, failure, roadmap_expansions, local_expansions, plan, cpu) = fields;
+        // Twice the number plus the role is one integer, see below; more agents than fit are a damaged line.
         let number = u16::try_from(agent / 2).map_err(|_| "its agent has too large a number")?;
         let answer = match (failure, plan) {
             (0, Some((length_m, segments, cusps, duration_s, found_by))) => {
                 Ok(Solution { length_m, segments, cusps, duration_s, found_by: found_by.into() })
             }
             (number, None) => {
+                // Failures are numbered from 1, since 0 stands for none.
                 let failure = number.checked_sub(1).and_then(|index| PlanFailure::ALL.get(index));
                 Err(*failure.ok_or("a call has a plan, or a reason why not")?)
             }
@@ -237,6 +239,7 @@ fn states_of(run: &RunIndex<'_>) -> Vec<StateCount> {
     let duration = run.timeline().setting.rules.duration.as_nanos();
     let states = (0..=STATE_STEPS).map(|step| {
         // A scenario's duration is far below the centuries at which this would overflow.
+        // The product comes before the division, so the last step is the end itself and none is rounded off.
         let time = SimTime::from_nanos(duration.saturating_mul(step) / STATE_STEPS);
         let counts = run.counts_at(time);
         StateCount {

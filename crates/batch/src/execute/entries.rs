@@ -105,6 +105,7 @@ fn is_not_there(kind: ErrorKind) -> bool {
 }
 
 fn word_for(found: FileType) -> &'static str {
+    // Opening a pipe would wait forever for a writer, so the kind is looked at before a file is opened.
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

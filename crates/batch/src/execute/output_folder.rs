@@ -89,6 +89,7 @@ impl OutputFolder {
     /// A folder that holds results is refused, unless `overwrite` says that they may be replaced. Other files in it
     /// are of no concern and stay.
     pub fn named(path: &Path, overwrite: bool) -> Result<Self, BatchError> {
+        // A file of this name is never replaced, not even with `overwrite`, as it is no batch's.
         if path.exists() && !path.is_dir() {
             return Err(BatchError::NotAFolder { path: path.to_owned() });
         }
@@ -100,6 +101,7 @@ impl OutputFolder {
         let folder = Self::shared(path)?;
         // Without a plan, a journal without a line is what is left of a batch that was killed before it began.
         let mut slices = folder.journals()?.into_iter();
+        // With a line, it is a batch whose plan was lost; its runs may be hours of work.
         match slices.find(|&slice| fs::metadata(folder.journal(slice)).is_ok_and(|found| found.len() > 0)) {
             Some(slice) if !overwrite => {
                 Err(BatchError::HoldsResults { path: path.to_owned(), entry: JOURNAL.name(slice) })

@@ -31,6 +31,7 @@ impl Pilot {
         let runs = plan.count().min(MAX_RUNS);
         let mut pilot = Self { runs: 0, total: Duration::ZERO, longest: Duration::ZERO };
         for index in 0..runs {
+            // The first runs of a plan are all of its first variant, and would say nothing of the others.
             // The middle of each of as many parts; a plan has fewer than 2^53 runs, so this does not overflow.
             let run = plan.run(1 + (2 * index + 1) * plan.count() / (2 * runs));
             let stopwatch = WallStopwatch::start();

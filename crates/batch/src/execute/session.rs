@@ -128,6 +128,7 @@ impl Batch {
         let lost_recordings = lost_recordings(&plan, &folder, journal.index())?;
         let repeated = journal.index().repeated();
         let found = Found { has_torn_line, leftovers, repeated, lost_recordings };
+        // The digest decides, as the file may be replaced by an equal one while the batch runs.
         let written_plan = fs::read(folder.path().join(PLAN_FILE)).ok().map(|bytes| Sha256::digest(bytes).into());
         Ok(Self { plan: Arc::new(plan), folder, journal, disk, found, written_plan })
     }
@@ -204,6 +205,7 @@ impl Batch {
         stop: &Arc<AtomicBool>,
         on_run: impl FnMut(RunEnd),
     ) -> Result<(), BatchError> {
+        // Their runs are in the journal already, so they must not become rows a second time.
         let lost: Vec<u64> = self.found.lost_recordings.iter().map(|lost| lost.run).collect();
         // A process with nothing to do is no machine that took part.
         if !lost.is_empty() || self.journal.index().missing(is_wanted.clone()).next().is_some() {
@@ -228,6 +230,7 @@ impl Batch {
         // The first fault is reported: a copy that cannot be brought home may follow from it.
         let recorded_again = worked_off?;
         brought?;
+        // A plan that was replaced meanwhile would name other runs than the journal has.
         self.expect_unchanged_plan()?;
         let is_over = self.journal.index().missing(is_wanted).next().is_none()
             && recorded_again == self.found.lost_recordings.len();
@@ -243,11 +246,13 @@ impl Batch {
     pub(crate) fn shorten(self, played: &[u64]) -> Result<Self, BatchError> {
         let plan = self.plan.shortened(played);
         let rows = &mut self.rows()?;
+        // Rows are renumbered: the number of a run follows from the plan, and the shorter plan has others.
         let renumbered = plan.runs().map(|run| {
             let mut row = rows.row(self.plan.number(plan.place(run.number)))?;
             row.label.run = run.number;
             Ok(row)
         });
+        // The journal is replaced before the plan: `shortened_as_journal` finishes what a crash between both leaves.
         write_journal(&self.folder.journal(Slice::WHOLE), &plan, self.disk(), renumbered)?;
         write_plan(&plan, &self.folder, PLAN_FILE, self.disk())?;
         // From the first on, so that no name is taken that a later one still has.
@@ -255,6 +260,7 @@ impl Batch {
             let before = self.plan.run(self.plan.number(plan.place(run.number)));
             let [from, to] =
                 [self.plan.recording_name(&before), plan.recording_name(&run)].map(|it| self.folder.recording(&it));
+            // A crash may come between two recordings; those that were renamed before are then left alone.
             if from != to && from.exists() {
                 fs::rename(&from, &to).map_err(|source| BatchError::unwritable(&to, source))?;
             }
@@ -315,6 +321,7 @@ fn lost_recordings(
     folder: &OutputFolder,
     journal: &JournalIndex,
 ) -> Result<Vec<LostRecording>, BatchError> {
+    // Recordings are verified in parallel, as this reads and decompresses all of them.
     let lost = journal.recorded().par_iter().filter_map(|&run| {
         // Verified and not only found: a process may have been killed while it wrote one.
         let path = folder.recording(&plan.recording_name(&plan.run(run)));
@@ -347,7 +354,9 @@ fn shortened_as_journal(plan: BatchPlan, folder: &OutputFolder, disk: &dyn Disk)
         }
         played.last_mut().into_iter().for_each(|seeds| *seeds += 1);
     }
+    // Each variant must have a count, or the journal is of another plan with seeds that only look alike.
     let shorter = Some(plan.shortened(&played)).filter(|_| played.len() == plan.variants.len());
+    // The digest decides: the counts were guessed from seeds.
     match shorter.filter(|shorter| shorter.has_seeds_of_rule() && shorter.content_sha256() == found) {
         Some(shorter) => {
             write_plan(&shorter, folder, PLAN_FILE, disk)?;

@@ -51,6 +51,7 @@ fn state_of(
     plan: &BatchPlan,
     failures: &mut BTreeMap<u64, FailedRuns>,
 ) -> Result<SliceState, JournalError> {
+    // Looking at a batch must not disturb it: the lock is tried, and not waited for.
     let path = folder.journal(slice);
     let (file, is_running) = match open_to_read(&path, folder.keeping().lock) {
         Ok(file) => (Ok(file), false),

@@ -106,11 +106,13 @@ pub fn run_all(
             Ok(message) => match message? {
                 Finished::Run { end, line } => {
                     // Written before it is shown, so that what was reported is kept.
+                    // A line is whole in the file before the next one, as only this thread writes.
                     journal.add(end.run, end.status, &line)?;
                     on_run(end);
                 }
                 Finished::Again { run, made } => {
                     let (row, timeline) = *made;
+                    // The row in the journal is compared first: a recording of another run must not stand beside that row.
                     work.record_again(&journal.row(run)?, &row, timeline.as_ref())?;
                     recorded_again += 1;
                     on_run(RunEnd { run, status: row.status, wall: row.wall });
@@ -170,6 +172,7 @@ impl Work {
                 };
                 Some(row.map(|row| {
                     let end = RunEnd { run: number, status: row.status, wall: row.wall };
+                    // The worker's thread encodes, so the one thread that writes does not become the bottleneck.
                     Finished::Run { end, line: encode_row(&row) }
                 }))
             }
@@ -205,6 +208,7 @@ impl Work {
             // A run that was stopped is not over: it is missing and will be run again.
             Ok(Err(RunError::Stopped)) => return None,
             Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
+            // The command runs the seed again by itself, without the other runs of the batch.
             Err(panic) => {
                 let message = format!("panicked: {panic}; see it again: {}", run.repeating_command());
                 not_done(Status::Panicked, message)

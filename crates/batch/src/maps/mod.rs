@@ -171,6 +171,7 @@ pub fn map_batches(
     let mut not_run = 0;
     for round in groups.chunks(RUNS_PER_ROUND * jobs) {
         let maps: Vec<_> = pool.install(|| {
+            // A run is a job by itself, as making one again takes far longer than reading a recording.
             let maps = round.par_iter().with_max_len(1).map(|group| {
                 let maps = sources.iter().zip(group).map(|(source, run)| {
                     let map = read_run(source, run, options);
@@ -183,6 +184,7 @@ pub fn map_batches(
         });
         for (maps, group) in maps.into_iter().zip(round) {
             let Some(maps) = maps? else {
+                // A pair with one failed run is left out as a whole, or the sides would be of different seeds.
                 not_run += 1;
                 continue;
             };
@@ -255,6 +257,7 @@ impl Sums {
 
     /// Adds the runs of one seed, one of each side.
     fn add(&mut self, maps: &[RunMap], group: &[PlannedRun<'_>], sources: &[&MapSource]) -> Result<(), MapsError> {
+        // Values are added by cell index, which is another place on a field of another size.
         for ((map, run), source) in maps.iter().zip(group).zip(sources) {
             if map.setting.frame != self.setting.frame {
                 let other = map.setting.frame;
@@ -263,6 +266,7 @@ impl Sums {
             }
         }
         if let ([first, second], [run, _]) = (maps, group)
+            // Two runs of one seed on different ground are no pair, since their difference is also that of the ground.
             && (first.setting.bushes != second.setting.bushes || !has_same_ground(&first.setting, &second.setting))
         {
             return Err(MapsError::OtherGround { seed: run.seed });
@@ -275,6 +279,7 @@ impl Sums {
         // Bushes alone are on other cells with every seed.
         let is_comparable = self.runs > 0 && setting.spread.is_some();
         self.is_same_ground = self.is_same_ground && (!is_comparable || can_burn == self.can_burn);
+        // A cell that can burn with some seeds belongs to the map, with the probability over all of them.
         self.can_burn.iter_mut().zip(can_burn).for_each(|(so_far, now)| *so_far = *so_far || now);
         for (side, map) in self.sides.iter_mut().zip(maps) {
             side.add(map.values(self.quantity), map.counts);
@@ -291,12 +296,14 @@ impl Sums {
 
     fn finish(self, sources: &[&MapSource], not_run: u64, unpaired: u64) -> BatchMaps {
         let Self { quantity, setting, can_burn, is_same_ground, sides, pairs, runs, recorded, simulated, .. } = self;
+        // All cells and all bushes bound the intervals: no run burns more than there is.
         let [all_cells, all_bushes] =
             [can_burn.iter().filter(|can_burn| **can_burn).count(), self.max_bushes].map(|count| count as f64);
         let hectares = setting.frame.cell_m * setting.frame.cell_m / 10_000.0;
         let difference = pairs.map(|pairs| {
             let [mean, lower, upper] = pairs.finish(&can_burn);
             let less = |of: fn(&RunCounts) -> f64| {
+                // Pairs come from the same groups, so both lists are in the same order.
                 let pairs = sides[0].runs.iter().zip(&sides[1].runs);
                 pairs.map(|(first, second)| of(first) - of(second)).collect::<Vec<f64>>()
             };

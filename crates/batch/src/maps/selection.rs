@@ -36,6 +36,7 @@ impl MapSource {
             let values = values(&batch, &batch.plan().variants[index]);
             only.iter().all(|(column, value)| {
                 let found = columns.iter().zip(&values).find(|(name, _)| *name == column);
+                // Values are compared and not texts, as 0.10 in a command is the 0.1 of the plan.
                 found.is_some_and(|(_, found)| is_same_value(found, value))
             })
         });
@@ -43,6 +44,7 @@ impl MapSource {
         match taken[..] {
             [variant] => Ok(Self { batch, variant }),
             ref several => {
+                // Without a match all variants are listed, among them the one that was meant.
                 let all = if several.is_empty() { (0..batch.plan().variants.len()).collect() } else { taken.clone() };
                 let titles = all.iter().map(|&index| batch.plan().title(&batch.plan().variants[index]));
                 Err(MapsError::WhichVariant {
@@ -160,6 +162,7 @@ pub fn groups<'a>(sources: &[&'a MapSource]) -> Result<RunGroups<'a>, MapsError>
         return Ok(RunGroups { groups: sources[0].runs().map(|run| vec![run]).collect(), unpaired: 0 });
     };
     let mut partners: Vec<PlannedRun<'a>> = second.runs().collect();
+    // With one side sorted, each partner is found by bisection; seeds may be listed in another order on either side.
     partners.sort_by_key(|run| run.seed);
     let pairs: Vec<Vec<PlannedRun<'a>>> = first
         .runs()

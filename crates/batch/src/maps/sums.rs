@@ -79,11 +79,13 @@ impl PairSums {
         match self {
             Self::Burned(answers) => {
                 for (answers, (value, minus)) in answers.iter_mut().zip(values) {
+                    // An arrival time is finite exactly if the cell burned.
                     answers.add(minus.is_finite(), value.is_finite());
                 }
             }
             Self::Differences(differences) => {
                 for (series, (value, minus)) in differences.iter_mut().zip(values) {
+                    // A difference of times needs both: a cell that burned once only has no time on the other side.
                     if value.is_finite() && minus.is_finite() {
                         series.add(value - minus);
                     }
@@ -103,6 +105,7 @@ impl PairSums {
         };
         match self {
             Self::Burned(answers) => {
+                // A cell that never can burn would have an interval about zero, as if it had been observed not to.
                 for (index, answers) in answers.iter().enumerate().filter(|(index, _)| can_burn[*index]) {
                     put(index, answers.rate_difference(), answers.rate_difference_interval());
                 }

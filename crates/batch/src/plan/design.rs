@@ -35,6 +35,7 @@ pub fn read_design(path: &Path) -> Result<Sweep, DesignError> {
     let text = input_file::read_text(path, MAX_BYTES)?;
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
     let names = reader.headers().map_err(damaged)?.clone();
+    // The nameless first column that pandas writes is its row index, and no key.
     if let Some(nameless) = names.iter().position(str::is_empty) {
         let problem = format!(
             "column {} has no name; expected a key of the scenario (pandas writes no such column with index=False)",
@@ -42,6 +43,7 @@ pub fn read_design(path: &Path) -> Result<Sweep, DesignError> {
         );
         return Err(DesignError::Line { line: 1, problem });
     }
+    // A spreadsheet with a comma as its decimal sign divides columns by semicolons; the whole line would be one key.
     if names.len() == 1 && names[0].contains([';', '\t']) {
         let problem = "the columns are divided by semicolons or tabs; expected commas".to_owned();
         return Err(DesignError::Line { line: 1, problem });
@@ -50,12 +52,14 @@ pub fn read_design(path: &Path) -> Result<Sweep, DesignError> {
     for row in reader.records() {
         let row = row.map_err(damaged)?;
         for ((key, settings), value) in columns.iter_mut().zip(&row) {
+            // An empty value has no meaning that all readers share: default, missing or zero.
             if value.is_empty() {
                 let line = row.position().map_or(1, csv::Position::line);
                 return Err(DesignError::Line { line, problem: format!("there is no value of `{key}`") });
             }
             settings.push(Setting::parse(value));
         }
+        // The limit is checked while reading, as a design may be longer than any plan.
         if columns[0].1.len() as u64 > MAX_VARIANTS {
             return Err(DesignError::TooManyRows);
         }

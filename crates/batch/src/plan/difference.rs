@@ -16,12 +16,14 @@ pub fn differences(there: &BatchPlan, requested: &BatchPlan) -> Vec<String> {
             found.push(sentence(what, &there, &requested));
         }
     };
+    // Seeds come first, as another list of seeds is the likeliest difference.
     compare("seeds", there.seeds.to_string(), requested.seeds.to_string());
     compare("record", format!("{:?}", there.record).to_lowercase(), format!("{:?}", requested.record).to_lowercase());
     compare("the stopping rule", there.rule_text(), requested.rule_text());
     compare("memory", there.memory.to_string(), requested.memory.to_string());
     compare("the list of swept keys", listed(&there.swept_keys), listed(&requested.swept_keys));
     compare("the number of variants", there.variants.len().to_string(), requested.variants.len().to_string());
+    // With another number of variants the pairs are not comparable, which the line above has said.
     for (one, other) in there.variants.iter().zip(&requested.variants) {
         found.extend(differences_of_scenarios(&one.scenario, &other.scenario));
     }

@@ -164,6 +164,7 @@ pub(super) fn located(name: &str, folder: &Path) -> String {
 
 fn sweep_of(table: Table, folder: &Path) -> Result<Sweep, PlanFileProblem> {
     if let Some(Value::String(name)) = table.get("from") {
+        // A design has its own columns; further keys beside it could mean a product or the same rows.
         if table.len() > 1 {
             let reason =
                 "a [[sweep]] with `from` has other keys; expected them in the file's columns, or in a [[sweep]]";
@@ -174,6 +175,7 @@ fn sweep_of(table: Table, folder: &Path) -> Result<Sweep, PlanFileProblem> {
         return design.map_err(|source| PlanFileProblem::Design { path: path.display().to_string(), source });
     }
     let columns = leaves(table).into_iter().map(|(key, value)| match value {
+        // A single value is no sweep; it belongs in `set`.
         Value::Array(values) => Ok((key, values.into_iter().map(Setting::from_toml).collect())),
         other => Err(PlanFileProblem::Wrong(format!("`{key}` of a sweep is {other}; expected a list of values"))),
     });

@@ -68,12 +68,14 @@ impl FreeKeys {
             self.remove_below(inner, steps);
             let path: Vec<&str> = steps.iter().map(String::as_str).collect();
             let is_empty = inner.as_object().is_some_and(serde_json::Map::is_empty);
+            // Tables stay unless all in them was removed: a value that is not free must still be compared.
             let goes = self.has(&path) && (is_empty || !inner.is_object());
             steps.pop();
             goes
         };
         match value {
             Json::Object(table) => {
+                // The keys are copied, as a table cannot be changed while it is gone through.
                 let keys: Vec<String> = table.keys().cloned().collect();
                 for key in keys {
                     let inner = table.get_mut(&key).expect("the key is one of the table's");
@@ -84,6 +86,7 @@ impl FreeKeys {
             }
             Json::Array(list) => {
                 for (index, inner) in list.iter_mut().enumerate() {
+                    // Items of a list stay: without one, all later items would have other numbers.
                     goes(index.to_string(), inner);
                 }
             }

@@ -119,6 +119,7 @@ fn variants_within_limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<V
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<Variant>, A::Error> {
             let mut variants: Vec<Variant> = Vec::new();
             let mut bytes = 0;
+            // Variants are read one by one, so a file that claims a million of them is refused before they are in memory.
             while let Some(variant) = seq.next_element::<Variant>()? {
                 bytes += variant.bytes();
                 if bytes > MAX_PLAN_BYTES || variants.len() as u64 == MAX_VARIANTS {
@@ -173,6 +174,7 @@ impl BatchPlan {
             #[serde(flatten)]
             until: self.until.as_ref().map(|until| object!(Until { until })),
             swept_keys: &self.swept_keys,
+            // Resolved scenarios are hashed and not their sources, as a file may change while its name stays.
             scenarios: self.variants.iter().map(|variant| &variant.scenario).collect::<Vec<_>>(),
         });
         let json = serde_json::to_vec(&content).expect("scenarios hold names, numbers and lists only");
@@ -196,6 +198,7 @@ impl BatchPlan {
     /// Fails as [`Self::read`] does.
     pub fn read_file(path: PathBuf) -> Result<Self, PlanError> {
         let file = open(path.parent().unwrap_or(&path), &path)?;
+        // The head is read first: the body of another version may have a form that this one cannot read.
         let head = read_head(&path, &file)?;
         if head.format != PLAN_FORMAT || head.program_version != PROGRAM_VERSION {
             return Err(PlanError::OtherVersion { path, found: head.program_version });
@@ -205,6 +208,7 @@ impl BatchPlan {
         let plan =
             body.into_plan().map_err(|error| PlanError::NotAPlan { path: path.clone(), reason: error.to_string() })?;
         let found = plan.content_sha256();
+        // A plan that was edited by hand would claim runs that the journal does not have.
         if found != expected {
             return Err(PlanError::Tampered { path, found, expected });
         }
@@ -245,6 +249,7 @@ impl BatchPlan {
         if self.variants.is_empty() {
             return Err(not_a_plan("it has no variants"));
         }
+        // A rule takes seeds in order; any other list would be a choice.
         if !self.until.as_ref().is_none_or(|rule| rule.goal.is_valid()) || !self.has_seeds_of_rule() {
             return Err(not_a_plan("its seeds are not the first of those that its stopping rule allows"));
         }
@@ -306,9 +311,11 @@ impl BatchPlan {
                 return Err(PlanError::SourceChanged { scenario: variant.source.clone(), differences });
             }
             if !scenario::can_be_read_again(&variant.source) {
+                // A scenario from a pipe can be read once only, and the plan has it whole.
                 continue;
             }
             let Ok(mut now) = scenario::load(&variant.source, &variant.changes) else { continue };
+            // Registered code has its digest from the running process and from no file.
             now.take_over_code(&variant.scenario);
             let differences = differences_of_scenarios(&variant.scenario, &now);
             if !differences.is_empty() {

@@ -232,6 +232,7 @@ impl BatchPlan {
     /// The name of a run's recording, in the folder of recordings.
     pub fn recording_name(&self, run: &PlannedRun<'_>) -> String {
         match self.variants.as_slice() {
+            // With one variant the seed alone says which run it is.
             [_] => format!("seed-{}.wildfire", run.seed),
             _ => format!("run-{}-seed-{}.wildfire", run.number, run.seed),
         }
@@ -247,6 +248,7 @@ impl BatchPlan {
         let [first, others @ ..] = variants else { return String::new() };
         let planner = planner_of(&first.scenario);
         let mut parts = Vec::new();
+        // A name is given only if all share it, as a title of several must be true of each.
         if others.iter().all(|other| other.scenario.name == first.scenario.name) {
             parts.push(first.scenario.name.clone());
         }

@@ -115,8 +115,10 @@ impl BatchRequest {
     /// The plan, with all scenarios loaded. More runs than [`RUNS_WITHOUT_FORCE`] must be insisted on.
     pub fn resolve(&self, force: bool) -> Result<BatchPlan, RequestError> {
         let changed: Vec<&str> = self.changes.iter().filter_map(|change| change.split('=').next()).collect();
+        // The check comes before a scenario is loaded: a sweep that contradicts a change is a slip in the command itself.
         check_sweeps(&self.sweeps, &changed)?;
         let seeds = self.seeds.clone().unwrap_or_default();
+        // The size follows from the lists alone, so a mistyped range is refused before any scenario is loaded.
         self.check_size(&seeds, force)?;
         self.check_changes()?;
         let plan = BatchPlan {
@@ -162,12 +164,14 @@ impl BatchRequest {
         let combinations = combinations(&self.sweeps);
         let mut variants = Vec::new();
         for source in &self.scenarios {
+            // Each text is read once, as a pipe cannot be read again and a file may change between two variants.
             let text = match self.texts.iter().find(|text| text.source == *source) {
                 Some(text) => text,
                 None => &ScenarioText::open(source)?,
             };
             for combination in &combinations {
                 let variant = self.variant(text, combination)?;
+                // Sizes are added up as variants are made, so that a plan that is too large is refused before it fills memory.
                 bytes += variant.bytes();
                 if bytes > MAX_PLAN_BYTES {
                     return Err(RequestError::TooLarge);
@@ -208,11 +212,13 @@ fn check_distinct(plan: &BatchPlan) -> Result<(), RequestError> {
     for variant in &plan.variants {
         let name = &variant.scenario.name;
         let first: &Variant = names.entry(name).or_insert(variant);
+        // Digests are compared, as the JSON of ten thousand scenarios takes more memory than the plan.
         let same_content = contents.insert(Sha256::digest(json_of(&variant.scenario)), variant);
         if let Some(other) = same_content {
             let [one, other] = [other, variant].map(|variant| format!("`{}`", described(variant)));
             return Err(RequestError::SameScenario { one, other });
         }
+        // One file with several changes gives several variants of one name, whose swept values tell them from one another.
         if first.source != variant.source {
             let one = first.source.clone();
             let other = variant.source.clone();

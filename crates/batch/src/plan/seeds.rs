@@ -106,6 +106,7 @@ impl Seeds {
     pub fn from_parts<'a>(parts: impl Iterator<Item = &'a str>) -> Result<Self, SeedsError> {
         let mut ranges = Vec::new();
         for part in parts {
+            // The length is checked before parsing, so the memory of a long list stays bounded.
             if ranges.len() == MAX_PARTS {
                 return Err(SeedsError::TooManyParts);
             }
@@ -114,6 +115,7 @@ impl Seeds {
         if ranges.is_empty() {
             return Err(SeedsError::Nothing);
         }
+        // Counts take 128 bits, as the range of all seeds alone holds 2^64.
         let count = ranges.iter().map(|range| u128::from(range.end() - range.start()) + 1).sum();
         if count > u128::from(MAX_RUNS) {
             return Err(SeedsError::TooMany { count });

@@ -100,6 +100,7 @@ impl Sweep {
         }
         let first = &columns[0].0;
         let count = columns[0].1.len();
+        // Values are taken row by row, so a shorter list would leave combinations without one.
         if let Some((other, settings)) = columns.iter().find(|(_, settings)| settings.len() != count) {
             let one = first.clone();
             let other = other.clone();
@@ -221,6 +222,7 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
     let mut seen: Vec<&str> = changed_keys.to_vec();
     for sweep in sweeps {
         for key in &sweep.keys {
+            // A key and a table that holds it overlap too: the later change would replace the earlier one without a word.
             if let Some(other) = seen.iter().find(|other| overlap(key, other)) {
                 return Err(SweepError::Contradiction { one: (*other).into(), other: key.clone() });
             }
@@ -230,6 +232,7 @@ pub fn check_sweeps(sweeps: &[Sweep], changed_keys: &[&str]) -> Result<(), Sweep
         for step in &sweep.steps {
             let written: Vec<&str> = step.iter().map(|setting| &setting.written[..]).collect();
             let value = written.join(", ");
+            // A value that comes twice would be two variants with equal runs, which tests would count as independent.
             if !steps.insert(written) {
                 return Err(SweepError::Twice { key: sweep.keys.join("`, `"), value });
             }
@@ -271,6 +274,7 @@ fn split_at_commas(text: &str) -> Vec<&str> {
             (Some(_), _) => {}
             (None, '"' | '\'') => quote = Some(letter),
             (None, '[' | '{') => depth += 1,
+            // Unmatched brackets are left to the TOML parser, whose error shows the place.
             (None, ']' | '}') => depth = depth.saturating_sub(1),
             (None, ',') if depth == 0 => {
                 parts.push(&text[start..at]);

@@ -135,6 +135,7 @@ impl BatchPlan {
         let free = FreeParameters::parse(&keys).map_or_else(|_| FreeKeys::default(), |free| free.keys);
         let mut entries: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
         for (index, variant) in self.variants.iter().enumerate() {
+            // The seed is no part of an entry's name; a label just needs one.
             let label = RunLabel::from_scenario(&variant.scenario, 0);
             let swept = self.swept_keys.iter().zip(&variant.swept).filter(|(key, _)| free.belongs_to_entry(key));
             let values = swept.map(|(_, value)| value.to_string());

@@ -60,6 +60,7 @@ impl<'de> Deserialize<'de> for Value {
                 Ok(Value::Count(count))
             }
 
+            // JSON gives whole numbers from zero on as `u64`, so only negative ones come here.
             fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
                 Ok(Value::Real(number as f64))
             }

@@ -104,6 +104,7 @@ impl AuditSource {
         match self {
             Self::Recordings(paths) => Ok(Box::new(paths.iter().map(|path| Ok(Subject::Recording(path))))),
             Self::Batch(batch) => {
+                // Rows are read along with the runs and not looked up, as `runs.csv` may be larger than memory.
                 let mut rows = batch.rows()?;
                 Ok(Box::new(batch.runs().map(move |run| {
                     let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
@@ -114,6 +115,7 @@ impl AuditSource {
             Self::Repeated(batch, numbers) => {
                 let mut rows = batch.rows()?;
                 let subjects = batch.runs().map(move |run| {
+                    // The rows of runs that are not repeated are passed over too, since rows come in the order of the plan.
                     let row = rows.as_mut().map(|rows| rows.next(&run)).transpose()?;
                     Ok(numbers.contains(&run.number).then_some(Subject::Run { batch, run, row, recording: None }))
                 });
@@ -153,11 +155,13 @@ pub fn audit_all(
     for source in sources {
         let mut subjects = source.subjects()?;
         loop {
+            // Audits go in rounds, so the findings of a batch of a million runs are never all in memory.
             let round = subjects.by_ref().take(RUNS_PER_ROUND * jobs).collect::<Result<Vec<_>, _>>()?;
             if round.is_empty() {
                 break;
             }
             let findings: Vec<_> = pool.install(|| {
+                // Each run is a job by itself: a recording is read quickly, while a run without one is simulated again.
                 round
                     .par_iter()
                     .with_max_len(1)
@@ -190,6 +194,7 @@ impl Subject<'_> {
             Self::Recording(path) => look_at_file(path, step, |_| None),
             Self::Run { batch, run, row, recording } => match recording {
                 Some(path) => look_at_file(path, step, |timeline| {
+                    // A recording of another run explains any difference of the row, so it is looked for first.
                     other_run(run, timeline).or_else(|| difference(run, row.as_ref(), timeline, RunCost::default()))
                 }),
                 None => {
@@ -268,6 +273,7 @@ impl AuditReport {
             }
             Finding::Unreadable(reason, kind) => {
                 self.unreadable += 1;
+                // Without the file nothing is known of the run, so it counts neither as audited nor as a violation.
                 self.first_unreadable.get_or_insert((reason, kind));
                 return;
             }
@@ -278,6 +284,7 @@ impl AuditReport {
             self.without_limits += u64::from(!verdict.knows_limits);
         }
         let message = violation.map(|violation| violation.to_string()).or(difference);
+        // A run with a broken rule and a different row counts once: the figure is of runs.
         self.violations += u64::from(message.is_some());
         if let Some(message) = message.filter(|_| self.listed.len() < max) {
             self.listed.push(ListedViolation { run, violation, message });

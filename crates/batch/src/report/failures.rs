@@ -80,6 +80,7 @@ impl Failures {
             let about = |reason| message_about(run.message(), reason, &is_meant);
             // A policy over its instructions counts as crashed.
             let (who, detail) = about(&name).or_else(|| about("budget spent").filter(|_| name == "crashed")).unzip();
+            // Only messages about policies begin so; a planner's name may be any word.
             let policy = who.and_then(|who: &str| who.strip_prefix(POLICY)?.split(' ').next());
             failures.policy = failures.policy.or(policy.map(visible_start));
             let reason = FailureReason { name, count: number(column), detail: detail.map(whole) };

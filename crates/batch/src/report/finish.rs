@@ -123,13 +123,16 @@ fn write_tables(
             return Err(BatchError::Stopped);
         }
         let rows: Vec<RecordedRow> = rows.into_par_iter().map(RecordedRow::new).collect();
+        // Both kinds of tables are made of the same rows and share nothing else, so they are written at once.
         let (csv, parquet) = rayon::join(|| files.add(&rows), || parquet_files.add(&rows));
         csv.and(parquet)?;
+        // Rows are added one after the other in the order of the plan: sums of floats depend on it, and threads must not.
         for row in &rows {
             add_row(&mut report, plan, number, row);
             number += 1;
         }
     }
+    // `runs.csv` comes last: a folder with it counts as finished, so all other files must be whole by then.
     write_whole(disk, &folder.path().join(TABLES_FILE), report.to_document().to_markdown().as_bytes())?;
     write_whole(disk, &folder.path().join(SUMMARY_FILE), &report.to_csv(plan))?;
     parquet_files.finish()?;

@@ -10,6 +10,7 @@ pub fn notes(result: &RunResult) -> Vec<String> {
         let (name, bushes) = (agent.agent, outcome.obstacles);
         let milestones = agent.roadmap_samples;
         let components = agent.roadmap_components;
+        // Of a field without bushes, "none of the 0" would be true and say nothing.
         if name.role.lights() && bushes > 0 && agent.out_of_reach == bushes {
             Some(format!("{name} can light nothing: none of the {bushes} bushes is in its reach."))
         } else if name.role.suppresses() && is_hardly_connected(milestones, components) {

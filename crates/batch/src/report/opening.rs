@@ -116,6 +116,7 @@ impl Saved {
     /// Writes `64 % of 248 bushes (mean; 95 % interval 57 to 70 %)`.
     fn text(&self, variant: &VariantReport) -> String {
         let bushes = variant.column(OBSTACLES);
+        // The mean equals the largest number only if all are equal.
         let are_equal = bushes.mean() == bushes.largest();
         let bushes = match bushes.largest().filter(|_| are_equal) {
             Some(1.0) => "the only bush".into(),
@@ -128,6 +129,7 @@ impl Saved {
         let mean = match (not_done, done) {
             (0, 1) => String::new(),
             (0, _) => "mean".to_owned(),
+            // With failed runs the mean is of a part, and the sentence must say of which.
             _ => format!("in the {done} of {} that finished", count_of(done + not_done)),
         };
         let about: Vec<String> = [mean, interval].into_iter().filter(|part| !part.is_empty()).collect();
@@ -198,6 +200,7 @@ fn of_several_with_failures(variants: &[VariantReport], labels: &Labels) -> Stri
     let all = labels.groups().concat();
     let saved = saved_by_variant(variants);
     let mut parts: Vec<String> = match extremes(&saved) {
+        // More than four variants do not fit into one sentence, which then names the ends only.
         Some([best, worst]) if saved.len() > MAX_NAMED => vec![
             format!("{} saved the most bushes, {}", labels.label(best.0, &all), best.1.percent().0),
             format!("{} the least, {}", labels.label(worst.0, &all), worst.1.percent().0),

@@ -48,6 +48,7 @@ impl Profile {
         if self.runs == 0 {
             return vec![Block::Text(format!("No run of {title} has finished, so there is no CPU time to show."))];
         }
+        // Parts of planners that few scenarios have would be rows of zeros.
         let parts = PARTS.iter().zip(self.parts_s).filter(|((_, is_rare, _), seconds)| !is_rare || *seconds > 0.0);
         let parts = parts.map(|((name, ..), seconds)| (*name, seconds));
         let rows: Vec<_> = parts

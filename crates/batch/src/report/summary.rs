@@ -162,6 +162,7 @@ impl BatchReport {
     /// Returns a line of CSV for each variant: its values, the numbers of finished and failed runs, and for every
     /// numeric column that some run has, its mean and the ends of the mean's 95 % interval.
     pub fn to_csv(&self, plan: &BatchPlan) -> Vec<u8> {
+        // A column without a value in any variant would be three empty columns.
         let places: Vec<usize> = (0..RUN_COLUMNS.len())
             .filter(|place| {
                 RUN_COLUMNS[*place].holds_numbers()
@@ -175,6 +176,7 @@ impl BatchReport {
             places.iter().flat_map(|&place| ["", "_low", "_high"].map(|end| RUN_COLUMNS[place].name.to_owned() + end));
         add(labels.chain(["finished", "failed"]).map(cell_text).chain(means).collect());
         for (index, (variant, report)) in plan.variants.iter().zip(&self.variants).enumerate() {
+            // Cells that begin like a formula are guarded, as a spreadsheet would evaluate them.
             let swept = variant.swept.iter().map(|value| match value {
                 Value::Text(value) => cell_text(value),
                 number => number.to_string(),
@@ -258,6 +260,7 @@ impl BatchReport {
         for (variant, number) in self.variants.iter().zip(1..) {
             for (planner, failures) in &variant.tally.failures {
                 let files = variant.files.get(planner);
+                // Two custom planners of one name are two planners; a common sentence would blame both for the faults of one.
                 if self.variants.iter().any(|it| it.files.get(planner).is_some_and(|other| Some(other) != files)) {
                     sentences.extend(failures.of_planner(&format!("{planner} (variant {number})")));
                 } else {

@@ -236,6 +236,7 @@ impl RunTable {
                 |column| numbers.as_ref().map(|numbers| numbers[column]),
             ));
         }
+        // CPU times add up to a total; a sum of shares means nothing.
         for (label, statistic) in STATISTICS.iter().filter(|(label, _)| self.layout.shows_sums || *label != "Sum") {
             rows.push(self.row(
                 (*label).to_owned(),

@@ -72,6 +72,7 @@ impl Tally {
         }
         let planner = run.text(PLANNER);
         let queries = run.queries();
+        // Queries of a failed run count only if a clock ended one: then other figures depend on the machine too.
         if (run.is_done() || queries.depends_on_machine()) && (!planner.is_empty() || queries.asks > 0) {
             *self.queries.entry(planner.to_owned()).or_default() += queries;
         }
@@ -83,6 +84,7 @@ impl Tally {
             *self.failures.entry(planner.to_owned()).or_default() += Failures::of_queries(run);
         }
         let number = |column| run.number(column).unwrap_or(0.0);
+        // Without agents on both sides nobody wins.
         if self.trucks > 0 && self.wumpuses > 0 {
             self.contested += 1;
             self.won_by_wumpus += u64::from(run.text(WINNER) == "wumpus");

@@ -31,13 +31,16 @@ pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<Me
     let series = Series::from_values(values);
     let mean = series.mean()?;
     let error = series.standard_error()?;
+    // Indices come from 32 bits, so longer samples would never draw their last numbers.
     if error == 0.0 || !error.is_finite() || u32::try_from(values.len()).is_err() {
         return None;
     }
     let centred: Vec<f64> = values.iter().map(|value| value - mean).collect();
     let mut ts: Vec<f64> = (0..RESAMPLES).map(|_| t_of_resample(&centred, random)).collect();
     ts.sort_unstable_by(f64::total_cmp);
+    // The ends change sides: where resamples lie far above the sample's mean, that mean may lie far above the true one.
     let interval = Interval { low: mean - ts[RESAMPLES - BEYOND] * error, high: mean - ts[BEYOND - 1] * error };
+    // A resample of equal numbers has an infinite t; with many of them an end of the interval is infinite.
     let is_finite = interval.low.is_finite() && interval.high.is_finite();
     let (p_value, p_method) = p_value(&ts, mean / error, values.len() - 1);
     let interval = Some(interval);
@@ -50,6 +53,7 @@ pub fn studentised_bootstrap(values: &[f64], random: &mut impl Rng) -> Option<Me
 fn t_of_resample(centred: &[f64], random: &mut impl Rng) -> f64 {
     let n = centred.len();
     let (mut sum, mut squares) = (0.0, 0.0);
+    // One 64-bit number gives two indices, which halves the work of the generator.
     let mut take = |bits: u64| {
         let value = centred[index_below(n, bits)];
         sum += value;
@@ -64,8 +68,10 @@ fn t_of_resample(centred: &[f64], random: &mut impl Rng) -> f64 {
         take(random.next_u64() >> 32);
     }
     let mean = sum / n as f64;
+    // The numbers are centred, so this difference cancels hardly anything.
     let spread = squares - sum * mean;
     let error = if spread > ROUNDING * squares { (spread / ((n - 1) as f64 * n as f64)).sqrt() } else { 0.0 };
+    // A resample of equal numbers has no error; only if these are zero is it as expected.
     if sum == 0.0 { 0.0 } else { mean / error }
 }
 

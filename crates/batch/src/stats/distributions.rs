@@ -57,6 +57,7 @@ pub fn noncentral_t_two_sided(t: f64, degrees: f64, shift: f64) -> f64 {
     let b = 0.5 * degrees;
     let share = t * t / (degrees + t * t);
     let chance = |count: f64| match rate {
+        // The logarithm of a rate of 0 is infinite, although its distribution is that of a certain 0.
         0.0 => f64::from(u8::from(count == 0.0)),
         _ => ops::exp(count * ops::ln(rate) - rate - ln_gamma(count + 1.0)),
     };
@@ -68,12 +69,15 @@ pub fn noncentral_t_two_sided(t: f64, degrees: f64, shift: f64) -> f64 {
     let mut count = 0.0;
     loop {
         at_most += chance(count);
+        // Rounding may bring the sum of all chances just above 1.
         let added = term * f64::min(at_most, 1.0);
         below += added;
         let ratio = share * (count + 0.5 + b) / (count + 1.5);
         // From here on ratios fall to `share`, or rise to it: the rest is less than a geometric series.
         let largest = ratio.max(share);
+        // Below the mean of the Poisson distribution terms still grow, and a small one is no sign of the end.
         if count > rate && largest < 1.0 && term * largest <= 1e-17 * (1.0 - largest) {
+            // Rounding may leave a probability just outside of its range.
             return (1.0 - below).clamp(0.0, 1.0);
         }
         term *= ratio;

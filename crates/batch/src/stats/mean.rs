@@ -15,6 +15,7 @@ const RESAMPLED: std::ops::RangeInclusive<usize> = 10..=5000;
 /// for it, by Student's t. Below 10 a resample is too often nearly constant and the bootstrap's intervals are several
 /// times as wide as needed; above 5000 the two differ by less than the bootstrap's own noise.
 pub fn estimate_mean(values: &[f64], random: &mut impl Rng) -> Option<MeanEstimate> {
+    // The bootstrap gives up on samples that are nearly constant; Student's t still has an answer for those.
     let resampled = if RESAMPLED.contains(&values.len()) { studentised_bootstrap(values, random) } else { None };
     resampled.or_else(|| students_t(values))
 }

@@ -46,6 +46,7 @@ impl RepeatedMeasures {
             row.iter().zip(&of_conditions).map(|(number, mean)| number - mean - of_subject + of_all).collect()
         });
         let residuals: Vec<Vec<f64>> = residuals.collect();
+        // The bound is relative to the numbers themselves, as residuals that are rounding grow with them.
         let rounding = ROUNDING * squares(rows.iter().flatten());
         let left = squares(residuals.iter().flatten());
         let effects: Vec<f64> = of_conditions.iter().map(|mean| mean - of_all).collect();
@@ -57,6 +58,7 @@ impl RepeatedMeasures {
             return (between > rounding).then_some(certain);
         }
         // tr(S)^2 over tr(S^2) does not change when the covariances S are multiplied by the degrees of freedom.
+        // Rounding may bring it above 1, which is its largest value.
         let epsilon = (left * left / (degrees[0] * squares_of_products(&residuals))).min(1.0);
         let f = (between / degrees[0]) / (left / degrees[1]);
         let degrees = degrees.map(|degrees| epsilon * degrees);

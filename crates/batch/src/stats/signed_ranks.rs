@@ -33,6 +33,7 @@ impl SignedRanks {
         let sum_where = |above: bool| ranked.iter().filter(|rank| rank.above == above).map(|rank| rank.doubled).sum();
         let (above, below): (u64, u64) = (sum_where(true), sum_where(false));
         let p_value = if ranked.len() <= EXACT_UP_TO {
+            // Ranks are doubled, so that the mean ranks of ties are integers and the counting of sign choices is exact.
             exact_p_value(&ranked, above.min(below))
         } else {
             normal_p_value(&ranked, above, below)

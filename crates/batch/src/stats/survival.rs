@@ -55,6 +55,7 @@ impl SurvivalCurve {
                 let interval = log_log_interval(survival, variance);
                 steps.push(SurvivalStep { time: together[0].time, at_risk, events, survival, interval });
             }
+            // They leave only after the step: what is censored at the time of an event was still at risk of it.
             at_risk -= together.len() as u64;
         }
         Self { steps }

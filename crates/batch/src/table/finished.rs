@@ -88,6 +88,7 @@ impl FinishedBatch {
     /// Refuses a batch of which a run would have to be repeated and cannot, see [`BatchPlan::expect_registry`].
     pub fn expect_registry(&self, registry: &CustomRegistry) -> Result<(), FinishedError> {
         match self.plan.expect_registry(registry, &self.folder) {
+            // Where every run has its recording, none has to be repeated, and no custom planner is needed.
             Err(_) if self.runs().all(|run| self.recording(&run).is_some()) => Ok(()),
             status => Ok(status?),
         }

@@ -35,8 +35,10 @@ pub struct QueryTally {
 impl QueryTally {
     /// Creates counts from the numbers in columns of `runs.csv`, 0 where there is none, and from the run's message.
     pub fn of_run(number: impl Fn(&str) -> u64, message: &str) -> Self {
+        // Columns are found by prefix, so a new reason of failure is counted without a change here.
         let sum = |prefix: &str| {
             let names = RUN_COLUMNS.iter().map(|column| column.name).filter(|name| name.starts_with(prefix));
+            // The numbers come from a file that anybody may write, and must not overflow.
             names.map(&number).fold(0, u64::saturating_add)
         };
         let failed = sum("truck_failed_");

@@ -52,6 +52,7 @@ impl TableReader {
             Err(error) => return Err(damaged(path, 1, &error)),
         };
         let table = Self { path, reader, columns, row: ByteRecord::new() };
+        // Columns are found by name, so two of one name would be one of them by chance.
         let mut sorted: Vec<&String> = table.columns.iter().collect();
         sorted.sort();
         match sorted.windows(2).find(|pair| pair[0] == pair[1]) {

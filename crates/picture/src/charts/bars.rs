@@ -66,6 +66,7 @@ impl BarChart {
     /// Draws the panels on as many sheets of this width, in units, as they take.
     pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let bars = self.panels.iter().flat_map(|panel| &panel.series).flat_map(|series| series.bars.iter().flatten());
+        // All panels and sheets share one scale, so that heights can be compared; it begins at zero, as a bar shows a length.
         let scale = AxisScale::around(bars.map(Estimate::range)).with_zero();
         let sheets = sheets(&self.panels, |panel| &panel.name, PANELS);
         let names = self.names(self.room(width - SheetLayout::margins(width) - LEFT) - NAME_GAP);
@@ -122,6 +123,7 @@ impl BarChart {
         let width = (room * BARS / count).min(WIDEST);
         let bars = panel.series.iter().flat_map(|series| series.bars.iter().flatten());
         let numbers = bars.map(|bar| short_number(bar.value));
+        // Numbers on some bars only would look like a choice of the author.
         let has_numbers = numbers.map(|number| width_of(&number, LABEL)).fold(0.0, f32::max) < width;
         for (group, name) in names.lines.iter().enumerate() {
             let centre = plot.left + (group as f32 + 0.5) * room;
@@ -155,9 +157,11 @@ fn draw_bar(
     style.fill_rect(drawing, (left, plot.y(scale, bar.value)), (right, plot.y(scale, 0.0)));
     let centre = 0.5 * (left + right);
     let mut top = plot.y(scale, bar.value);
+    // An interval without width would be a stroke that looks like an edge of the bar.
     if let Some((low, high)) = bar.interval.filter(|(low, high)| low < high) {
         let ends = [plot.y(scale, low), plot.y(scale, high)];
         draw_whisker(drawing, centre, ends, (0.25 * (right - left)).min(6.0), INK);
+        // The number above stands clear of the whisker.
         top = top.min(ends[1]);
     }
     top

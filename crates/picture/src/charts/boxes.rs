@@ -77,9 +77,11 @@ impl BoxChart {
         let widest = boxes().map(|series| width_of(&series.name, LABEL)).fold(0.0, f32::max);
         let left = widest.min(WIDEST_NAME) + 12.0;
         let places = self.places();
+        // The values are sorted, so the first and the last are the ends.
         let ends = boxes().flat_map(|series| series.values.first().into_iter().chain(series.values.last()));
         let scale = AxisScale::around(ends.map(|&end| (places.of(end), places.of(end))));
         let max_rows = self.panels.iter().map(|panel| panel.boxes.len()).max().unwrap_or(0).max(1);
+        // A panel is never divided over two sheets, so its boxes stay comparable.
         let sheets = sheets(&self.panels, |panel| &panel.name, (ROWS / max_rows).max(1));
         let sheet = |(index, panels): (usize, &&[BoxPanel])| {
             let titles = numbered(&self.titles, index, sheets.len());
@@ -175,6 +177,7 @@ fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, series: &BoxSeries,
     for (width, colour) in [(4.0, PAPER), (1.8, INK)] {
         drawing.line(vec![(at, middle - half - 2.0), (at, middle + half + 2.0)], width, colour);
     }
+    // Thousands of outliers at one place would be as many marks in the file, and look like one.
     let mut last = f32::NEG_INFINITY;
     for &value in series.values.iter().filter(|value| **value < low || **value > high) {
         let at = axis.x(value);

@@ -80,7 +80,9 @@ impl CurveChart {
     pub fn draw(&self, width: f32) -> Vec<Drawing> {
         let swatch = if self.spread == Spread::Bands { Swatch::Line } else { Swatch::MarkedLine };
         let points = || self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points);
+        // All panels share one scale, so that their curves can be compared.
         let y = AxisScale::around(points().map(|(_, estimate)| estimate.range()));
+        // Differences have no meaning without the line at zero; other quantities have it if that costs little room.
         let y = if self.spread == Spread::Differences { y.with_zero() } else { y.with_near_zero() };
         let x = AxisScale::around(points().map(|&(x, _)| (x, x)));
         let x = if self.spread == Spread::Bands { exact(x, points()) } else { x };
@@ -98,6 +100,7 @@ impl CurveChart {
             let (mut drawing, plot) = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
+                // Marks and whiskers reach beyond their places, and must not be cut off at the ends of the axis.
                 let x = if self.spread == Spread::Bands { x } else { self.roomy(x, &plot) };
                 self.draw_panel(&mut drawing, &Axes { plot, x, y }, panel);
             }
@@ -184,6 +187,7 @@ impl Axes {
     /// Lines through their values, so that they cross only where means do. Marks and whiskers at one place are a little
     /// beside each other, so that all are seen.
     fn draw_marked(&self, drawing: &mut Drawing, curves: &[Curve]) {
+        // All lines come first, so none lies over another curve's mark.
         for curve in curves {
             curve.style.line(drawing, self.line(curve, |estimate| estimate.value).collect());
         }

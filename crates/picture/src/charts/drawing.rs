@@ -147,6 +147,7 @@ fn push_mark(svg: &mut String, mark: &DrawingMark) {
                 Align::Centre => "middle",
                 Align::Right => "end",
             };
+            // SVG sizes a font by its em, while heights here are those of capitals.
             let size = rounded(height / CAPITALS);
             let fill = painted("fill", *colour);
             let text = escaped(text);
@@ -167,6 +168,7 @@ fn joined(lengths: &[f32]) -> String {
 
 /// Rounds to a hundredth of a unit, so that no zeros stand at the end.
 fn rounded(value: f32) -> f32 {
+    // Adding 0 makes 0 of -0, which SVG would show with its sign.
     (value * 100.0).round() / 100.0 + 0.0
 }
 

@@ -50,6 +50,7 @@ impl ForestChart {
         let widest = |text: fn(&ForestRow) -> &str, max: f32| {
             self.rows.iter().map(|row| width_of(text(row), LABEL)).fold(0.0, f32::max).min(max)
         };
+        // Names give way to the numbers, which are what the chart is read for.
         let of_names = widest(|row| &row.name, WIDEST_NAME * width);
         let of_texts = widest(|row| &row.text, WIDEST_TEXT * width - of_names);
         let (left, right) = (of_names + GAP, of_texts + GAP);
@@ -58,6 +59,7 @@ impl ForestChart {
             SheetLayout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right, height };
         let (mut drawing, plot) = layout.draw();
         let differences = self.rows.iter().filter_map(|row| row.difference);
+        // Zero is on the scale in any case: a difference is judged by its distance from it.
         let scale = AxisScale::around(differences.map(|difference| difference.range()).chain([(0.0, 0.0)]));
         plot.draw_x_axis(&mut drawing, scale);
         let zero = plot.x(scale, 0.0);
@@ -103,6 +105,7 @@ fn draw_difference(drawing: &mut Drawing, plot: &Plot, scale: AxisScale, middle:
     let mut square =
         |reach: f32, colour| drawing.rect((x - reach, middle - reach), (x + reach, middle + reach), colour);
     square(MARK, colour);
+    // A hollow mark is seen in print and by the colour-blind too.
     if !row.is_significant {
         square(MARK - 1.6, PAPER);
     }

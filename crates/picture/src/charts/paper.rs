@@ -100,6 +100,7 @@ impl Drawing {
         for mark in &self.marks {
             match mark {
                 DrawingMark::Area { corners, colour, opacity } => {
+                    // Each opacity is one state of the page, as PDF has no opacity of a single mark.
                     let index = opacities.iter().position(|other| other == opacity).unwrap_or(0);
                     content.set_parameters(Name(state_name(index).as_bytes()));
                     fill_colour(&mut content, *colour);
@@ -114,8 +115,10 @@ impl Drawing {
                     content.stroke();
                 }
                 DrawingMark::Text { text, at: (x, y), align, height, colour } => {
+                    // Letters are fitted at a finer size, or small ones would be rounded to whole units.
                     let at = (x * OUTLINE, y * OUTLINE);
                     let Some(outlines) = text_path(text, at, *align, height * OUTLINE) else { continue };
+                    // The state of an area before would make the letters transparent too.
                     content.set_parameters(Name(state_name(0).as_bytes()));
                     fill_colour(&mut content, *colour);
                     push_outlines(&mut content, &outlines);

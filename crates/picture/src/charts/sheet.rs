@@ -209,6 +209,7 @@ impl SheetLayout<'_> {
         if !is_column(self.width) {
             return self;
         }
+        // How much room the texts take is only known once they are broken into lines.
         let besides = self.draw().0.height - self.height;
         let height = self.height.min((HIGHEST * self.width - besides).max(min.min(self.height)));
         Self { height, ..self }
@@ -218,6 +219,7 @@ impl SheetLayout<'_> {
     pub fn draw(&self) -> (Drawing, Plot) {
         let rows = self.key_rows();
         let Measures { margin, line: line_height, title_line, title: title_size } = Measures::of_width(self.width);
+        // Texts are broken first, as everything below moves down with their number of lines.
         let room = self.width - 2.0 * margin;
         let title = lines(&self.titles.title, room, title_size);
         let note = lines(&self.titles.note, room, LABEL);
@@ -257,6 +259,7 @@ impl SheetLayout<'_> {
     /// Entries of the key, as many in a row as it holds; none where there is a single series.
     fn key_rows(&self) -> Vec<Vec<&(Style, &str)>> {
         let mut rows: Vec<Vec<&(Style, &str)>> = Vec::new();
+        // It is infinite, so the first entry begins a row.
         let mut used = f32::INFINITY;
         for entry in self.key.iter().filter(|_| self.key.len() > 1) {
             let width = self.entry_width(entry.1);

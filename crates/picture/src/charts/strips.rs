@@ -75,6 +75,7 @@ impl StripChart {
         let row = if has_names { ROW } else { ONE_ROW };
         let scale =
             AxisScale::around(strips().filter_map(|strip| Some((*strip.values.first()?, *strip.values.last()?))));
+        // All have as many columns, so that heights mean the same in every panel.
         let columns = columns(
             self.panels
                 .iter()
@@ -89,6 +90,7 @@ impl StripChart {
             let grid = PanelGrid { columns: 1, left, below: BELOW, above: LINE };
             let grid = grid.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
             let rows = max_rows as f32;
+            // Rows shrink down to a limit, below which a histogram has no shape any more.
             let row = row.min((grid.panel_height(width, row * rows) / rows).max(MIN_ROW));
             let heights: Vec<f32> = panels.iter().map(|panel| row * panel.strips.len() as f32).collect();
             let is_alone = panels[0].name.is_empty();
@@ -143,6 +145,7 @@ fn draw_strip(drawing: &mut Drawing, part: &Plot, scale: AxisScale, columns: usi
         let left = part.left + index as f32 * width;
         // A single run among many is a line that can still be seen.
         let top = base - (count as f32 / highest_count as f32 * height).max(1.5);
+        // Half a unit is left free at both sides: columns that touch would look like one area.
         drawing.rect((left + 0.5, top), (left + width - 0.5, base), strip.style.colour);
     }
     if let Some(highest) = counts.iter().position(|&count| count == highest_count) {

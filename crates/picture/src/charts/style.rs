@@ -54,6 +54,7 @@ impl Style {
             Hatch::Falling => lines(false),
             Hatch::Crossed => [true, false].into_iter().for_each(lines),
             Hatch::Level => {
+                // Strokes lie at multiples of the step over the whole sheet, so neighbouring bars have one pattern.
                 let mut y = (from.1 / HATCH_STEP).ceil() * HATCH_STEP;
                 while y < to.1 {
                     drawing.line(vec![(from.0, y), (to.0, y)], 1.4, PAPER);

@@ -59,6 +59,7 @@ pub fn draw_field_maps(heading: &str, maps: &[FieldMap]) -> Picture {
         quantity.scale(maps.iter().filter(|map| map.quantity == quantity).flat_map(|map| map.values).copied())
     };
     let panels: Vec<Panel> = maps.iter().map(|map| Panel::new(map, scale(map.quantity), side, LONGEST)).collect();
+    // All take the largest unit, so texts of maps side by side have one size.
     let unit = panels.iter().map(Panel::unit).fold(1.0, f32::max);
     let heading_height = if heading.is_empty() { 0.0 } else { (HEADING + GAP) * unit };
     let width = panels.iter().map(|panel| panel.width() + GAP * unit).sum::<f32>() - GAP * unit;
@@ -68,6 +69,7 @@ pub fn draw_field_maps(heading: &str, maps: &[FieldMap]) -> Picture {
     draw_text(&mut canvas, heading, (MARGIN * unit, (MARGIN + HEADING) * unit), Align::Left, HEADING * unit, INK);
     let mut left = MARGIN * unit;
     for panel in panels {
+        // Maps lie on whole pixels: between two of them they would be blurred.
         panel.draw(&mut canvas, (left.round(), (MARGIN * unit + heading_height).round()));
         left += panel.width() + GAP * unit;
     }

@@ -124,6 +124,7 @@ impl<'a> Panel<'a> {
                 let [red, green, blue] = self.colour(cell);
                 block.fill([red, green, blue, 255]);
             }
+            // One line of pixels is made and copied, since all pixels of a cell's row are equal.
             for copy in 0..pixels {
                 let below = block_row * pixels + copy;
                 canvas.row_from(left as usize, top as usize + below)[..line.len()].copy_from_slice(&line);
@@ -169,10 +170,12 @@ impl<'a> Panel<'a> {
                 let points: Vec<Point> = line.points.iter().map(|&at| self.place(corner, at)).collect();
                 canvas.polyline(&points, LINE_WIDTH * self.unit, colour);
             }
+            // A level may have many lines, and the longest is the one that a reader follows.
             let longest = lines.iter().max_by(|a, b| a.length().total_cmp(&b.length()));
             let label = longest.and_then(|line| self.label_place(corner, line, &tick.label, &labels));
             labels.extend(label.map(|at| (at, tick.label.as_str(), colour)));
         }
+        // Labels come after all lines, so that none runs through one.
         for (at, label, colour) in labels {
             let halo = if colour == PAPER { INK } else { PAPER };
             draw_text_on(canvas, label, at, Align::Centre, TEXT * self.unit, colour, halo);

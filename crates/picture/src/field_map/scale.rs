@@ -104,6 +104,7 @@ impl MapQuantity {
         let (low, high) = range?;
         let max = low.abs().max(high.abs());
         let (low, high) = match self {
+            // The maximum is rounded up, so maps of similar runs have the same scale and can be laid side by side.
             Self::Probability => (0.0, round_step(high).clamp(0.1, 1.0)),
             Self::Direction => (0.0, 360.0),
             Self::FireType => (0.0, (FIRE_TYPES.len() - 1) as f64),
@@ -187,6 +188,7 @@ const CLOCK_STEPS: [f64; 18] = [
 /// Round times in a range of seconds, written in the unit that is named beside them.
 fn time_ticks(low: f64, high: f64) -> (Vec<Tick>, &'static str) {
     let min = (high - low) / MAX_TICKS as f64;
+    // Below a tenth of a second clocks have no steps of their own, and decimal ones are taken.
     let step = CLOCK_STEPS.into_iter().find(|&step| step >= min && min >= 0.1);
     let (unit_s, unit) = match step {
         Some(step) if step < MINUTE => (1.0, "s"),

@@ -52,6 +52,7 @@ pub fn fleet_box(run: &RunView, time: SimTime) -> Option<FieldBox> {
         (0..=4 * STEPS + 1).map(|number| box_of(run, begins(number), is_at_work)).collect();
     let mut sum = FieldBox { low: DVec2::ZERO, high: DVec2::ZERO };
     let mut weights = 0.0;
+    // There is one box more than the weights reach, as the present time lies between two of them.
     for number in STEPS..=3 * STEPS + 1 {
         let index = number as usize;
         let from_now = number as f64 - 2.0 * STEPS as f64 - share_of_step(time);

@@ -88,10 +88,12 @@ impl FrameLayout {
     /// Lays out a frame with a panel as wide as `beside` right of the panes, or as high as `below` under them.
     fn with_panel((width, height): (u32, u32), runs: usize, text: u32, (beside, below): (u32, u32)) -> Self {
         let chart_text = if runs == 1 { CHART_OF_ONE } else { CHART_OF_TWO };
+        // Text sets the height, and a share of the frame bounds it: a low frame must keep room for its fields.
         let chart_height = (chart_text * text).min(height * if runs == 1 { 33 } else { 40 } / 100);
         let chart = PixelRect { left: 0, top: height - chart_height, width, height: chart_height };
         let room = width.saturating_sub(beside);
         let pane_height = chart.top.saturating_sub(below);
+        // The product comes before the division, so that panes meet without a gap of a pixel.
         let edge = |run_index: u32| room * run_index / runs as u32;
         let fields = (0..runs as u32).map(|run_index| PixelRect {
             left: edge(run_index),

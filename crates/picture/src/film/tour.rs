@@ -170,6 +170,7 @@ impl Guide<'_> {
 }
 
 fn ending_text(outcome: &Outcome) -> String {
+    // On a field without bushes, nobody has points, and a share of bushes says nothing.
     if let Some(ground) = outcome.ground.as_ref().filter(|_| outcome.obstacles == 0) {
         return format!("{:.1} ha burned", ground.burned_ha);
     }

@@ -51,6 +51,7 @@ impl GifFilm {
         let mut encoder = Encoder::new(file, width, height, &palette.table()).map_err(into_io)?;
         encoder.set_repeat(Repeat::Infinite).map_err(into_io)?;
         let pixels = usize::from(width) * usize::from(height);
+        // No colour has the index of transparency, so all of the first frame counts as changed.
         Ok(Self { encoder, width, palette, shown: vec![TRANSPARENT; pixels], next: vec![TRANSPARENT; pixels] })
     }
 

@@ -190,6 +190,7 @@ impl<W: Write> McapWriter<W> {
         let Chunk { records, span, messages } = mem::take(&mut self.chunk);
         let Some(span) = span else { return Ok(()) };
         let size = records.len() as u64;
+        // The checksum is of the unpacked bytes, as the specification has it.
         let head = RecordContent::default().time(span.first).time(span.last).u64(size).u32(crc32fast::hash(&records));
         let mut encoder = FrameEncoder::new(Vec::new());
         encoder.write_all(&records)?;
@@ -201,6 +202,7 @@ impl<W: Write> McapWriter<W> {
         self.put(&(head.len() as u64 + packed_size).to_le_bytes())?;
         self.put(&head)?;
         self.put(&packed)?;
+        // The index stands behind the chunk and not in it: a reader that looks for one topic skips the chunk by it.
         let indices_at = self.written;
         let mut offsets = RecordContent::default();
         for (channel, messages) in &messages {
@@ -221,6 +223,7 @@ impl<W: Write> McapWriter<W> {
         let crc_of_data = mem::take(&mut self.crc).finalize();
         self.record(kind::DATA_END, &RecordContent::default().u32(crc_of_data).0)?;
         self.crc = Hasher::new();
+        // A reader opens the file at its end, and finds the records of the summary by these offsets.
         let summary_at = self.written;
         let statistics = self.statistics();
         let groups = [

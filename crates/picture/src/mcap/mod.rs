@@ -80,6 +80,7 @@ fn moments<'a>(index: &'a RunIndex<'a>, sampling: &Sampling) -> Vec<(SimTime, Mc
     let ground = timeline.ground.iter().filter(|event| event.agent().is_some());
     moments.extend(ground.map(|event| (event.time, McapMoment::GroundEvent(event))));
     moments.extend(timeline.events.iter().map(|event| (event.time, McapMoment::Event(event))));
+    // Legs come after the facts of their instant, since a leg begins because of one of them.
     for &agent in sampling.agents() {
         moments.extend(index.legs_of(agent).iter().map(|&leg| (leg.from, McapMoment::Leg(agent, leg))));
     }
@@ -97,6 +98,7 @@ fn cell_moments<'a>(index: &RunIndex<'_>) -> Vec<(SimTime, McapMoment<'a>)> {
     let end = index.end_time();
     let changes = cell_changes(index);
     let instants = changes.chunk_by(|one, other| one.time == other.time).count();
+    // It is at least 2, since the gap is divided by one less.
     let max = (MAX_BYTES_OF_CELLS / CellGrid::message_bytes(index.timeline().setting.frame).max(1)).max(2);
     let gap = if instants < max { 0 } else { end.as_nanos() / (max as u64 - 1) };
     let mut moments: Vec<(SimTime, Vec<ExportedChange>)> = vec![(SimTime::ZERO, Vec::new())];
@@ -244,6 +246,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
             let state = self.index.agent_at(place, time);
             let later = self.index.agent_at(place, next);
             let channels = self.agents.get_mut(&place).expect("its place is a key");
+            // The last sample is always written, so that the track of an agent that stands reaches to the end.
             let is_needed = channels.last != Some(state) || later != state || time == next;
             if !is_needed {
                 continue;

@@ -108,6 +108,7 @@ impl Tile {
             obstacles += usize::from(scene.occupied[place]);
             let mean = if scene.occupied[place] { &mut occupied } else { &mut free };
             if let Some((value, heights)) = scene.value_at(place).zip(heights) {
+                // An infinite value is taken as the highest, so a wall of it has a height.
                 mean.add(value.clamp(heights.low, heights.high));
             }
         }

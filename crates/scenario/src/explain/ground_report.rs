@@ -57,6 +57,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         })
         .collect();
     if shares.len() > SHOWN_FUELS {
+        // The rest has one line, since a raster of real land often has twenty fuels.
         let rest: usize = shares[SHOWN_FUELS..].iter().map(|share| share.cells).sum();
         listed.push(format!("{} others {} %", shares.len() - SHOWN_FUELS, percent(rest as f64 / cells)));
     }
@@ -106,6 +107,7 @@ fn describe_relief(landscape: &Landscape) -> String {
     let heights = match &landscape.relief {
         Relief::Plane(gradient) if *gradient == DVec2::ZERO => return "The ground is level.".into(),
         Relief::Plane(gradient) => {
+            // Adding 0 turns a -0 into 0, which would be printed with its sign.
             let toward = ops::atan2(gradient.y, gradient.x).to_degrees().round() + 0.0;
             let slope = tenths(ops::atan(gradient.length()).to_degrees());
             return format!("The ground is a plane that rises by {slope} degrees toward {toward} deg.");
@@ -138,6 +140,7 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
     if scenario.wind.len() > SHOWN_CHANGES {
         lines.push(format!("and {} more changes of the wind.", scenario.wind.len() - SHOWN_CHANGES));
     }
+    // Wind of a later time leaves the air calm until then, which no entry says.
     if scenario.wind.first().is_none_or(|change| change.at_s > 0.0) {
         lines.insert(0, "From 0 s: calm.".into());
     }
@@ -154,6 +157,7 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         let file = file.display();
         let start_h = settings.start_h;
         lines.push(format!("The wind is that of `{file}`, from its hour {start_h} on; dead-fuel moisture {dead}."));
+        // Notes say what was assumed about a file, such as units that it does not state.
         lines.extend(settings.notes.iter().cloned());
     }
     for change in settings.moisture.iter().take(SHOWN_CHANGES) {
@@ -199,6 +203,7 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     let Some((landscape, settings)) = terrain.landscape.as_ref().zip(scenario.fire.rothermel.as_ref()) else {
         return Vec::new();
     };
+    // Other models do not use these rates, so numbers of metres a minute would be wrong.
     if scenario.fire.model != FireModelName::Rothermel {
         return Vec::new();
     }
@@ -208,6 +213,7 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     burning
         .take(SHOWN_FIRES)
         .map(|share: FuelShare| {
+            // This is the first weather and not the worst, since a run begins with it.
             let fire = fire_of(share.model, weather, 0, &options);
             if fire.rate_mps == 0.0 {
                 return format!("{}: too moist to burn.", share.model.code);
@@ -241,12 +247,14 @@ pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, weather: &Weather,
         ));
     }
     let burning = landscape.fuel.iter().filter(|&&number| FuelModel::by_number(number).is_some_and(FuelModel::burns));
+    // Bushes are among the burning cells, and what is left is the ground between them.
     let between = burning.count().saturating_sub(terrain.bushes.len());
     if between == 0 {
         found.push("Nothing burns between the bushes: fire spreads only among bushes that touch.".into());
     }
     let Some(features) = &scenario.landscape else { return };
     let cell_m = landscape.frame.cell_m;
+    // A road is drawn at least one cell wide, or it would have gaps that fire crosses.
     let narrow_roads = features.roads.iter().filter(|road| road.width_m < cell_m).count();
     if narrow_roads > 0 {
         let roads = if narrow_roads == 1 { "A road is".to_owned() } else { format!("{narrow_roads} roads are") };

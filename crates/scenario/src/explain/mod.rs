@@ -35,6 +35,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     for (title, table) in [("Suppression", "suppression"), ("Score", "score"), ("Landscape", "landscape")] {
         add(title, values.of(table, &[]));
     }
+    // Under the model `radius` fire knows no weather.
     if scenario.fire.model != FireModelName::Radius {
         add("Weather", describe_weather(scenario));
     }
@@ -61,6 +62,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     };
     add("Values", vec![counts]);
     let terrain = Terrain::from_scenario(scenario, SHOWN_SEED);
+    // A field that cannot be generated is explained nevertheless, with the reason in the place of its map.
     let field = match &terrain {
         Ok(terrain) => describe_terrain(scenario, terrain),
         Err(error) => vec![Block::Text(format!("There is none: {error}."))],
@@ -70,6 +72,7 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
         && terrain.landscape.is_some()
     {
         document = document.with(section("Ground", describe_ground(scenario, terrain)));
+        // Uncertain weather is that of seed 1 too, so that the fires fit the field that is shown.
         let fires = describe_fires(scenario, terrain, &weather(scenario, SHOWN_SEED));
         if !fires.is_empty() {
             document = document.with(section("Fire on level ground in the first weather", fires));
@@ -174,6 +177,7 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Sce
             [values, [agents.facts(number), meanings].concat()]
         })
         .collect();
+    // A fleet of twenty would repeat each line twenty times; with one agent there is nothing to share.
     let is_shared = |part: usize, line: &String| each.len() > 1 && each.iter().all(|agent| agent[part].contains(line));
     let mut lines = Vec::new();
     let mut add = |who: &str, [values, sentences]: [Vec<&String>; 2]| {
@@ -185,6 +189,7 @@ fn describe_agents(agents: &dyn AgentList, loaded: &LoadedScenario, values: &Sce
     for (&number, agent) in numbers.iter().zip(&each) {
         add(&number.to_string(), [0, 1].map(|part| agent[part].iter().filter(|line| !is_shared(part, line)).collect()));
         let last = (number + 1..agents.len()).take_while(|&other| copies.is_copy(kind, other)).last();
+        // Copies follow their entry, so a range names them.
         if let (Some(last), Some(entry)) = (last, copies.entry(kind, number)) {
             let numbers = if last == number + 1 { last.to_string() } else { format!("{} to {last}", number + 1) };
             let places = if last == number + 1 { "a random place" } else { "random places" };
@@ -242,6 +247,7 @@ const INDENT: &str = "  ";
 ///
 /// On fields that are too wide a character is a square of cells, and is `#` if any of them is a bush.
 fn draw_sketch(terrain: &Terrain, scenario: &Scenario) -> String {
+    // A character stands for whole cells, so the map is no wider than a terminal and not distorted.
     let cells_a_character = usize::from(terrain.frame.cols).div_ceil(WIDTH - INDENT.len());
     let side = |cells: u16| usize::from(cells).div_ceil(cells_a_character);
     let mut rows = vec![vec!['.'; side(terrain.frame.cols)]; side(terrain.frame.rows)];

@@ -22,6 +22,7 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     let of_water = |field: Option<&ScenarioField<'_>>, found: &mut Vec<String>| {
         scenario.water.iter().for_each(|water| water.warn(scenario, field, found));
     };
+    // Without a field of the seed that is shown, only what the file itself says can be doubted.
     if let Some(terrain) = terrain {
         warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
@@ -130,6 +131,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
         return;
     }
     let mut burns = vec![false; terrain.frame.cell_count()];
+    // Under the model `radius` bushes burn without fuel, so both lists are needed.
     terrain.with_fuel().chain(terrain.bushes.iter().copied()).for_each(|cell| burns[terrain.frame.index(cell)] = true);
     let can_burn = |cell: &Cell| burns[terrain.frame.index(*cell)];
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
@@ -153,6 +155,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
         let is_void = match &ignition.cells {
             IgnitionCells::Cells(_) => false,
             IgnitionCells::Random(_) => {
+                // Where there are no bushes at all, random ignitions light the ground.
                 let has_ground = scenario.fire.lights_ground() || terrain.bushes.is_empty();
                 terrain.lightable(has_ground).is_empty()
             }

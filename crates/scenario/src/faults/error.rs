@@ -110,6 +110,7 @@ impl Fault {
 
     /// Names the values of a list's only entry without its number: `unimog.planner` instead of `unimog.0.planner`.
     pub(crate) fn without_number_in(mut self, list: &str) -> Self {
+        // A file with one truck does not number it, so a number in a message would name nothing that its author wrote.
         let numbered = format!("{list}.0");
         let shorten = |path: &mut String| {
             let rest = path.strip_prefix(&numbered).filter(|rest| rest.is_empty() || rest.starts_with('.'));
@@ -123,6 +124,7 @@ impl Fault {
                 shorten(field);
             }
             Self::Conflict { one, other, .. } => [one, other].into_iter().for_each(shorten),
+            // Messages of rules hold paths within their text.
             Self::Rule { message } => *message = message.replace(&format!("`{numbered}."), &format!("`{list}.")),
             _ => {}
         }
@@ -137,6 +139,7 @@ impl Fault {
                 Some(format!("{}the built-in scenarios are {}", did_you_mean(nearest.as_deref()), names.join(", ")))
             }
             Self::Unreadable { path, kind: ErrorKind::NotFound, .. }
+                // The likely slip is the name of a built-in scenario in the place of a path.
                 if BUILT_IN.iter().any(|(name, _)| name == path) =>
             {
                 Some(format!("a scenario of this name is built in: `--scenario {path}`"))

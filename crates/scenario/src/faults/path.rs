@@ -36,6 +36,7 @@ impl FieldPath {
     pub fn parse(dotted: &str) -> Self {
         let (mut steps, mut rest) = (Vec::new(), dotted);
         while !rest.is_empty() {
+            // Only quotes keep a dot or a number within a key, as in `policy."v1.2"`.
             if let Some((key, after)) = rest.strip_prefix('"').and_then(|quoted| quoted.split_once('"')) {
                 steps.push(PathStep::key(key));
                 rest = after.strip_prefix('.').unwrap_or(after);
@@ -139,6 +140,7 @@ impl FieldPath {
                     key = inner.span();
                 }),
             };
+            // The innermost part that exists is marked, since an omitted value has no place of its own.
             let Some(next) = next else { return FoundSpan::Part(value.map_or(0..0, Spanned::span)) };
             table = next.get_ref().as_table();
             value = Some(next);

@@ -36,9 +36,11 @@ pub struct FaultOfField {
 
 /// Turns a message of serde into a fault.
 pub fn fault_from_message(message: &str, path: FieldPath) -> FaultOfField {
+    // Serde puts every name in backticks and nothing else, so its messages can be taken apart.
     let mut quoted = message.split('`').skip(1).step_by(2);
     let name = quoted.next().unwrap_or_default();
     let is_loaded = |name: &str| LOADED.iter().any(|path| path.rsplit('.').next() == Some(name));
+    // Values that only loading fills in must not be offered as names to write.
     let valid_names: Vec<String> = quoted.filter(|name| !is_loaded(name)).map(str::to_owned).collect();
     let (fault, path, side) = if message.starts_with("unknown field") {
         let table = table_of(&path, name);

@@ -185,6 +185,7 @@ pub(crate) fn warn_of_team(scenario: &Scenario, found: &mut Vec<String>) {
             dispatch.policy
         ));
     }
+    // Under `nearest` trucks still reconsider by their own `retarget`.
     let keeps = dispatch.policy != DispatchPolicy::Nearest;
     if keeps && scenario.unimog.iter().any(|truck| truck.retarget != crate::Retarget::Never) {
         found.push(format!(

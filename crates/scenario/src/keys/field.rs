@@ -176,10 +176,12 @@ impl Field {
 impl Field {
     pub(crate) fn check(&self, table: &TablePath) -> Check {
         table.settings(self, &self.frame())?;
+        // A field that was read has its own size and bushes, and no value below applies to it.
         if self.imported.is_some() {
             return Ok(());
         }
         let side = self.size_m / self.cell_m;
+        // There is a tolerance, as 0.3 / 0.1 is 2.9999999999999996 in floats.
         let is_whole = (side - side.round()).abs() <= 1e-9 * side;
         let sides_fit = |frame: &FieldFrame| {
             let fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
@@ -195,8 +197,10 @@ impl Field {
             return table.refuse("size_m", number_text(self.size_m), expected);
         }
         table.number("coverage", self.coverage, 0.0..=MAX_COVERAGE)?;
+        // A count of pieces has the bound of the coverage, since either may be given.
         let max = (MAX_COVERAGE * self.frame().cell_count() as f64 / 4.0) as usize;
         table.count("pieces", self.pieces.unwrap_or(0) as usize, max)?;
+        // A shape that is listed twice would be drawn twice as often.
         let is_repeated = (1..self.shapes.len()).any(|n| self.shapes[..n].contains(&self.shapes[n]));
         if self.shapes.is_empty() || is_repeated {
             let expected = "a list of different shapes, at least one".into();

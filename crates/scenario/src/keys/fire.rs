@@ -242,12 +242,14 @@ impl Fire {
             return;
         }
         let spreads = self.spread_from != SpreadFrom::None && self.spread_radius_m > 0.0;
+        // An arrival after the burn-out is void, so a burning time equal to the delay already prevents all spread.
         if let Some(burn_out_s) = self.burn_out_s.filter(|&burn_out_s| spreads && burn_out_s <= self.spread_delay_s) {
             let delay_s = self.spread_delay_s;
             found.push(format!(
                 "No fire spreads: a bush burns out after {burn_out_s} s, before it would spread at {delay_s} s."
             ));
         }
+        // The centres of neighbouring cells are a whole side apart.
         if spreads && self.spread_radius_m < frame.cell_m {
             found.push(format!("No fire spreads: no two cells are within {} m of each other.", self.spread_radius_m));
         }

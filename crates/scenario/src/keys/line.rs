@@ -117,6 +117,7 @@ impl Scenario {
         if let Some(line) = &self.line {
             line.policy.check(&table, "policy", &self.policy)?;
             table.count("protect", line.protect.len(), MAX_PLACES)?;
+            // This is the only policy that needs places, and the only one that uses any.
             if line.protect.is_empty() == (line.policy == LinePolicy::PointProtection) {
                 let found = format!("{} places", line.protect.len());
                 return table.refuse("protect", found, "places with the policy `point-protection` only".into());
@@ -134,6 +135,7 @@ impl Scenario {
                 }
             }
         }
+        // Only the front of `rothermel` goes from cell to cell and can be stopped by line; other fire steps over it.
         if self.crew.is_empty() || self.fire.model == FireModelName::Rothermel {
             return Ok(());
         }

@@ -197,11 +197,13 @@ impl Program {
         if let Some(module) = &self.module {
             let unusable = |reason| UnusableFile { place: vec![PathStep::key("module")], file: module.clone(), reason };
             let bytes = self.read_module(module).map_err(|error| unusable(Unusable::Unreadable(error)))?;
+            // The check is part of loading: a module that cannot run would otherwise fail in each run of a batch.
             #[cfg(feature = "modules")]
             wildfire_module::check(&bytes, self.module_limits())
                 .map_err(|message| unusable(Unusable::Module(message)))?;
             hashes.insert(module.display().to_string(), hexadecimal(&Sha256::digest(&bytes)));
         }
+        // Scripts are words of a command too, and a batch must notice when one of them changes.
         for word in &self.command {
             // A program without a slash is found by PATH.
             let is_named = self.command.first() != Some(word) || word.contains('/');
@@ -210,6 +212,7 @@ impl Program {
             }
         }
         for (index, file) in self.files.iter().enumerate() {
+            // A file that is listed must exist, while a word of a command need not be one.
             let hash = hash_of(&self.works_in.join(file))
                 .and_then(|hash| hash.ok_or_else(|| io::Error::new(ErrorKind::InvalidInput, "it is not a file")));
             let hash = hash.map_err(|error| UnusableFile {

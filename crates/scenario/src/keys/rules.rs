@@ -104,6 +104,7 @@ impl IgnitionDensity {
     pub fn order(&self, frame: &FieldFrame, seed: u64, number: usize) -> Vec<Cell> {
         let weights = self.weights.as_ref().and_then(|weights| weights.by_cell(frame)).unwrap_or_default();
         let mut rng = rng::stream(seed, &format!("ignition/density/{number}"));
+        // The logarithm is of 1 - u, as u may be 0; cells without a weight draw too, or a weight would shift later draws.
         let keys: Vec<f64> =
             weights.iter().map(|&weight| -ops::ln(1.0 - rng.random::<f64>()) / f64::from(weight)).collect();
         let mut order: Vec<usize> = (0..weights.len()).filter(|&index| weights[index] > 0.0).collect();
@@ -199,6 +200,7 @@ pub(crate) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
                 }
             }
             IgnitionCells::Cells(cells) => {
+                // The limit is on all entries together, as each of them may name every cell.
                 named += cells.len();
                 top.count("ignition", named, MAX_IGNITIONS)?;
                 let outside = cells.iter().position(|cell| cell.col >= frame.cols || cell.row >= frame.rows);

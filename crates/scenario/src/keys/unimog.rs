@@ -447,6 +447,7 @@ impl AgentList for Vec<Unimog> {
         let trucks: Vec<(TruckPlannerKind, [u64; 2])> = self.iter().filter_map(memory).collect();
         let mut parts = Vec::new();
         for kind in TruckPlannerKind::ALL {
+            // Trucks of one planner have one line, as a fleet of a thousand is listed on one page.
             let of_kind = || trucks.iter().filter(|(planner, _)| *planner == kind).map(|(_, memory)| memory);
             let name = |what: &str| match of_kind().count() {
                 1 => format!("{what} of a truck ({kind})"),
@@ -455,6 +456,7 @@ impl AgentList for Vec<Unimog> {
             parts.push(MemoryPart::new(name("the planner"), of_kind().map(|[planner, _]| planner).sum()));
             parts.push(MemoryPart::new(name("the flood"), of_kind().map(|[_, floods]| floods).sum()));
         }
+        // Floods are counted as they grow, and must not count a second time against the limit.
         let counted = trucks.iter().map(|(_, [_, floods])| floods).sum();
         AgentsMemory { parts, counted, searches: !self.is_empty() }
     }
@@ -507,6 +509,7 @@ fn first_of_their_kind(trucks: &[Unimog]) -> impl Iterator<Item = (usize, &Unimo
 fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     let speed = unimog.speed_mps.max(unimog.reverse_speed_mps);
     let radius_m = unimog.vehicle.turning_radius_m;
+    // On the tightest circle it is v^2 / r, the most that a curve asks of the ground.
     let lateral = speed * speed / radius_m;
     if unimog.limits.lateral_mps2.is_none() && lateral > LATERAL_GRIP_MPS2 {
         found.push(format!(
@@ -516,6 +519,7 @@ fn warn_of_truck(number: usize, unimog: &Unimog, found: &mut Vec<String>) {
     }
     let planner = unimog.built_in();
     let settings = unimog.planner_settings();
+    // A custom planner may read any table, so only those of built-in planners can be called unused.
     let used = planner.map_or(&[][..], BuiltInPlanner::tables);
     for table in settings.tables().filter(|table| !table.is_default && !used.contains(&table.name)) {
         found.push(format!("The `{}` of truck {number} has no effect: its planner does not use it.", table.name));
@@ -547,9 +551,11 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
         let Some(maker) = unimog.built_in() else { continue };
         let size = maker.roadmap_size(&unimog.planner_settings(), &terrain.frame, terrain.bushes.len());
         let Some(RoadmapSize { milestones, neighbours, max_edge_m }) = size else { continue };
+        // The work adds up over trucks, so a fleet of many kinds stays quick to check.
         edges += milestones as f64 * f64::from(neighbours);
         if edges > MAX_EDGES_TRIED {
             let area_m2 = terrain.frame.width_m() * terrain.frame.height_m();
+            // This is the mean number of milestones in a disc of that radius; bushes cut off some edges besides.
             let others = milestones as f64 / area_m2 * PI * max_edge_m * max_edge_m;
             if others < PERCOLATION_DEGREE {
                 found.push(format!(
@@ -568,6 +574,7 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
             seed: SHOWN_SEED,
             checker: &checker,
             memory: &MemoryMeter::unlimited(),
+            // Only built-in planners come here, so neither the registry nor programs are asked.
             planners: &Planners::default(),
             programs: &Programs::new(),
         };

@@ -287,6 +287,7 @@ impl AgentList for Vec<Wumpus> {
             check_wumpus(&table, wumpus, &frame)?;
             wumpus.goal.check(&table, "goal", &scenario.policy)?;
             let pitch_m = wumpus.lattice_m.unwrap_or(frame.cell_m);
+            // There is at least one point a side, as a pitch may be wider than the field.
             let point_count = (frame.width_m() / pitch_m).max(1.0) * (frame.height_m() / pitch_m).max(1.0);
             if point_count > MAX_LATTICE_POINTS {
                 let expected = format!(
@@ -295,6 +296,7 @@ impl AgentList for Vec<Wumpus> {
                 return table.refuse("lattice_m", number_text(pitch_m), expected);
             }
             if wumpus.gives_up_in_minima() {
+                // A Wumpus tries at each point that it comes to, and comes to no more than its speed allows.
                 tries += bushes * point_count.min(scenario.duration_s * wumpus.speed_mps / pitch_m);
             }
             if tries > MAX_TRIES {
@@ -332,6 +334,7 @@ impl AgentList for Vec<Wumpus> {
     fn blocked_starts(&self, field: &ScenarioField<'_>) -> BlockedStarts {
         let terrain = field.terrain;
         let has_place = |wumpus: &Wumpus, shape: LatticeShape| {
+            // A larger lattice takes longer to look through than a check may; the run then finds out.
             let is_large = WalkLattice::point_count(&terrain.frame, &shape) > MAX_POINTS_EXAMINED;
             is_large || {
                 let lattice = WalkLattice::new(terrain.frame, &terrain.occupied, shape);
@@ -343,9 +346,11 @@ impl AgentList for Vec<Wumpus> {
         let mut with_places: Vec<LatticeShape> = Vec::new();
         for (number, wumpus) in self.iter().enumerate().filter(|(_, wumpus)| is_blocked(wumpus)) {
             let shape = wumpus.lattice_shape(&terrain.frame);
+            // Only a few shapes occur, and whether a lattice has a free point does not depend on the Wumpus.
             if !with_places.contains(&shape) {
                 if !has_place(wumpus, shape) {
                     starts.without_place = Some(format!("Wumpus {number}"));
+                    // One Wumpus without a place is enough to refuse every run.
                     break;
                 }
                 with_places.push(shape);
@@ -361,6 +366,7 @@ impl AgentList for Vec<Wumpus> {
 
     fn memory(&self, field: &FieldMeasures, duration_s: f64) -> AgentsMemory {
         let grounds: Vec<WalkGround> = self.iter().map(|wumpus| wumpus.ground(&field.frame)).collect();
+        // Wumpuses of one shape share lattices and planners in a run, so only the first of each counts.
         let is_first = |number: usize, is_shared: fn(&WalkGround, &WalkGround) -> bool| {
             !grounds[..number].iter().any(|before| is_shared(&grounds[number], before))
         };
@@ -429,8 +435,10 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
     let mut last: Option<(LatticeShape, WalkLattice)> = None;
     for (number, wumpus) in wumpuses.iter().enumerate() {
         let shape = wumpus.lattice_shape(&terrain.frame);
+        // Copies of an entry follow one another and share the lattice of the one before.
         if last.as_ref().is_none_or(|(last_shape, _)| *last_shape != shape) {
             points += WalkLattice::point_count(&terrain.frame, &shape);
+            // The budget is for all Wumpuses together; those that are left are not warned of.
             if points > MAX_POINTS_EXAMINED {
                 return;
             }

@@ -64,6 +64,7 @@ impl SettingChange {
         let (dotted, written) = option.split_once('=').ok_or_else(|| Fault::NoChange.at(whole()))?;
         let path = FieldPath::parse(dotted.trim());
         let Some((PathStep::Key(_), _)) = path.0.split_first() else { return Err(Fault::NoChange.at(whole())) };
+        // Each step is a call of `set_at`, so their number bounds the stack.
         if path.0.len() > MAX_STEPS {
             let message = format!("`{path}` has {} steps; expected at most {MAX_STEPS}", path.0.len());
             return Err(Fault::CannotChange { message }.at(whole()));
@@ -79,6 +80,7 @@ impl SettingChange {
     fn set_at(&mut self, at: &mut Value, here: &mut FieldPath, rest: &[PathStep], new: &Value) -> Result<(), String> {
         let Some((step, rest)) = rest.split_first() else {
             *at = new.clone();
+            // The place where the value begins is kept, so that an error can mark it there.
             self.set.push(here.clone());
             return Ok(());
         };
@@ -100,6 +102,7 @@ impl SettingChange {
                 if list.is_empty() {
                     return Err(format!("`{here}` is an empty list; there is nothing to change"));
                 }
+                // The key itself is kept for each entry, since only the entries' number is missing in the path.
                 let all = [std::slice::from_ref(step), rest].concat();
                 for (index, inner) in list.iter_mut().enumerate() {
                     here.0.push(PathStep::Index(index));

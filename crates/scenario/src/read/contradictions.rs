@@ -90,6 +90,7 @@ fn found_in(written: &Value) -> Vec<Contradiction> {
     let mut look = |one: &str, other: &str, reason, is_mutual| {
         let other = FieldPath::parse(other);
         let pairs = FieldPath::parse(one).all_in(written).into_iter().map(|one| (other.beside(&one), one));
+        // The other value is looked for beside this one: two planners may each have one of the pair.
         let pairs = pairs.filter(|(other, _)| other.leads_to(written));
         found.extend(pairs.map(|(other, one)| Contradiction { one, other, reason, is_mutual }));
     };

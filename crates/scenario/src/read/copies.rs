@@ -55,6 +55,7 @@ impl AgentExpansion {
                         return Err(refusal(kind, number, shortened(&other.to_string()), expected));
                     }
                 };
+                // Entries without a count stay as many as they are; what is too many of them is refused with the other limits.
                 if count > 1 && expanded.len() + count > MAX_COPIES {
                     let expected = format!("at most {MAX_COPIES} agents of this kind in all entries");
                     return Err(refusal(kind, number, count.to_string(), expected));
@@ -117,6 +118,7 @@ impl AgentExpansion {
         for (number, agent) in agents.iter_mut().enumerate() {
             let entry = self.entry(kind, number).unwrap_or(number);
             if !self.is_copy(kind, number) {
+                // Each entry has a stream, so one truck more in it moves no start of another entry.
                 stream = Some(rng::stream(SEED, &format!("starts/{kind}/{entry}")));
                 continue;
             }
@@ -148,6 +150,7 @@ struct OpenField {
 impl OpenField {
     /// Says whether a circle lies inside the field and off all that is known to be occupied.
     fn is_open(&self, (centre, radius_m): (DVec2, f64)) -> bool {
+        // The cheap test comes first; only places that pass it look at cells.
         if self.frame.border_distance(centre) < radius_m {
             return false;
         }
@@ -221,10 +224,12 @@ fn best_candidate<A: Placed>(agent: &A, field: &OpenField, taken: &[(DVec2, f64)
         if gap_m < MIN_GAP_M {
             continue;
         }
+        // It must be strictly farther: of equal gaps the first draw stays.
         if best.as_ref().is_none_or(|(max_m, _)| gap_m > *max_m) {
             best = Some((gap_m, candidate));
         }
         candidates += 1;
+        // Candidates and not draws are counted, so a dense field spreads its agents as evenly as an open one.
         if candidates == CANDIDATES {
             break;
         }

@@ -22,10 +22,12 @@ fn collect(path: &str, values: [Option<&Value>; 2], found: &mut Vec<ValueDiffere
     let inside = |step: &str| if path.is_empty() { step.to_owned() } else { format!("{path}.{step}") };
     match values {
         [Some(Value::Object(one)), Some(Value::Object(other))] => {
+            // Keys that only the other one has come last; a missing key differs from any value.
             for key in one.keys().chain(other.keys().filter(|key| !one.contains_key(*key))) {
                 collect(&inside(key), [one.get(key), other.get(key)], found);
             }
         }
+        // In lists of different lengths entries have no partners, and all behind an inserted one would differ.
         [Some(Value::Array(one)), Some(Value::Array(other))] if one.len() == other.len() || are_tables(one, other) => {
             for index in 0..one.len().max(other.len()) {
                 collect(&inside(&index.to_string()), [one.get(index), other.get(index)], found);

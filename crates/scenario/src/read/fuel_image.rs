@@ -30,6 +30,7 @@ impl FuelImage {
         let fuels: BTreeMap<[u8; 3], u8> =
             legend.iter().filter_map(|(text, fuel)| Some((colour_of(text)?, fuel.number()))).collect();
         let mut fuel = Vec::with_capacity(pixels.values().len());
+        // Images have north at the top, fields row 0 in the south.
         for row in (0..pixels.rows()).rev() {
             for (col, colour) in pixels.row(row).iter().enumerate() {
                 let Some(&number) = fuels.get(colour) else {

@@ -55,6 +55,7 @@ impl LoadedScenario {
     /// Fails as [`Self::open`] does.
     pub fn from_text(source: &ScenarioText, changes: &[String]) -> Result<Self, Box<ScenarioError>> {
         let mut written = Value::Table(parse(source)?);
+        // Changes are made to the text's values and not to the scenario, so that both are read and refused alike.
         let changes = SettingChanges::make(changes, &mut written)?;
         drop_sign_of_zero(&mut written);
         contradictions::drop_overruled(&mut written, &changes);
@@ -136,6 +137,7 @@ struct WrittenScenario<'a> {
 impl WrittenScenario<'_> {
     fn resolve(&mut self, written: &Value) -> Result<Scenario, Box<ScenarioError>> {
         self.refuse_loaded_and_infinite(written)?;
+        // Counts are expanded before reading, so serde sees as many agents as the run has.
         let mut expanded = written.clone();
         self.copies = AgentExpansion::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
         let mut scenario: Scenario = serde_path_to_error::deserialize(expanded).map_err(|error| {
@@ -147,20 +149,25 @@ impl WrittenScenario<'_> {
             scenario.name.clone_from(&self.source.stem);
         }
         scenario.fire.fill_in_model();
+        // Contradictions come after types: of a value with the wrong type, the type is the more basic fault.
         if let Some((path, fault)) = contradictions::first(written) {
             let side = if matches!(fault, Fault::Conflict { .. }) { KeyOrValue::Key } else { KeyOrValue::Value };
             return Err(fault.at(self.location_as_written(&path, side)));
         }
+        // The landscape comes first: its frame is that of the field, which a map and roads must fit.
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
         self.load_roads(&mut scenario)?;
+        // Starts come after the map, since whether one fits depends on its size.
         self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
         self.load_densities(&mut scenario)?;
         self.find_files(&mut scenario)?;
+        // Values are checked only now, as files give some that have ranges too.
         scenario
             .check_values()
             .map_err(|refusal| refusal.fault().at(self.location(&refusal.path, KeyOrValue::Value)))?;
+        // Copies are placed last: places are looked for on the field, whose size and coverage have been checked by now.
         self.copies.place(&mut scenario).map_err(|refusal| self.refuse_entry(&refusal))?;
         Ok(scenario)
     }
@@ -222,6 +229,7 @@ impl WrittenScenario<'_> {
 
     /// Reads the files of a landscape, and gives the field their frame.
     fn load_landscape(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        // All layers share one reader, as several may be bands of one file and all must lie on one frame.
         let mut reader = LayerReader::default();
         let mut files = Vec::new();
         if let Some(settings) = &scenario.fire.rothermel {
@@ -259,6 +267,7 @@ impl WrittenScenario<'_> {
         let Some(layers) = layers else { return Ok(()) };
         let field = &mut scenario.field;
         field.cell_m = layers.frame.cell_m;
+        // One number cannot say both sides; `raster_frame` has them.
         field.size_m = layers.frame.width_m().max(layers.frame.height_m());
         field.raster_frame = Some(layers.frame);
         scenario.landscape.get_or_insert_default().imported = Some(layers);
@@ -310,6 +319,7 @@ impl WrittenScenario<'_> {
             let path = FieldPath::parse("weather.samples");
             settings.rows = read_samples(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
         }
+        // A stream gives dead moisture only, so live fuel keeps the moisture of the scenario.
         let usual = scenario.fire.rothermel.as_ref().map_or_else(FuelMoisture::default, |settings| settings.moisture);
         if let Some(settings) = &mut scenario.weather
             && let Some(file) = &settings.file
@@ -350,6 +360,7 @@ impl WrittenScenario<'_> {
             );
             return Err(self.rule(&path, message));
         }
+        // What the map says replaces what the file says, so that a resolved scenario states the field that is run.
         field.cell_m = imported.frame.cell_m;
         field.size_m = imported.frame.width_m().max(imported.frame.height_m());
         field.coverage = imported.coverage();
@@ -372,6 +383,7 @@ impl WrittenScenario<'_> {
             let place = SourceLocation::new(&file.display().to_string(), &text, error.span.clone());
             Fault::from(error.fault).at(place)
         })?;
+        // Only text comes here; images are inverted while they are read, with their threshold.
         if field.map_invert {
             imported.occupied.values_mut().iter_mut().for_each(|cell| *cell = !*cell);
         }
@@ -388,6 +400,7 @@ impl WrittenScenario<'_> {
         let has_other_map = self.changes.touch(&FieldPath::parse("field.map"));
         let has_start = |kind: &'static str, agent: usize, name: &str, fits: bool| {
             let start = TablePath::entry(kind, self.copies.entry(kind, agent).unwrap_or(agent)).key(name);
+            // Starts of the file were written for its own map: one that does not fit another map is moved and not refused.
             start.leads_to(written) && (fits || !has_other_map || self.changes.touch(&start))
         };
         for (number, wumpus) in scenario.wumpus.iter_mut().enumerate() {

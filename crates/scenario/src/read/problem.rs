@@ -165,6 +165,7 @@ impl ProblemFile<'_> {
                 None => (truck.speed_mps, truck.reverse_speed_mps),
             };
         }
+        // Settings are checked against this field: lattices and clearances have bounds that depend on its cells.
         check_planners(&truck, &terrain.frame)
             .map_err(|refusal| refusal.fault().at(self.at(locate(self.text, &FieldPath::parse("cell_m")))))?;
         let [x, y, heading] = self.three_numbers(&FieldPath::parse("start"), &members.start)?;

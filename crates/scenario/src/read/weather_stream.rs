@@ -251,6 +251,7 @@ impl<'a> StreamFormat<'a> {
     fn detect(path: &Path, text: &'a str, needed: &[StreamQuantity]) -> Result<Self, String> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let is_start = |word: &str| text.trim_start().get(..word.len()).is_some_and(|it| it.eq_ignore_ascii_case(word));
+        // The extension decides first, since `.wxs` has no line that identifies it beyond doubt.
         let other = match extension.as_str() {
             "wxs" | "raws" => return Self::wxs(path, text),
             "wtr" | "wnd" => {
@@ -268,6 +269,7 @@ impl<'a> StreamFormat<'a> {
             return Self::wxs(path, text);
         }
         let table = CsvTable::new(path, text)?;
+        // Its columns decide too: an FW21 file is CSV, and may be named so.
         let is_fw21 =
             table.column("time").is_none() && table.names.iter().any(|name| bare(name).starts_with("datetime"));
         if is_fw21 || extension == "fw21" { Self::fw21(table, needed) } else { Self::csv(table, needed) }
@@ -302,6 +304,7 @@ impl<'a> StreamFormat<'a> {
                 continue;
             };
             let name = visible_start(table.names[index]);
+            // A wrong unit would be off by a factor, so it is refused and not guessed.
             let units: Vec<&str> = quantity.units.iter().map(|unit| unit.name).collect();
             if unit_of(index).is_some_and(|unit| !unit.is_empty()) {
                 let expected = format!("expected {}, or a CSV file with `{}`", units.join(" or "), quantity.csv);
@@ -388,6 +391,7 @@ impl<'a> StreamFormat<'a> {
                 let mut time = RowTime::parse(row.cell(column)).ok_or_else(|| {
                     table.wrong(row, column, "a time such as 2026-07-14 13:00 or 2026-07-14T13:00:00-07:00")
                 })?;
+                // Without a zone in the value, the name of the column states it.
                 time.zone = time.zone.or(is_utc.then_some(Zone::Utc));
                 Ok(time)
             }
@@ -417,21 +421,25 @@ impl<'a> StreamFormat<'a> {
             let time = self.time(&row)?;
             let station = self.station.map_or("", |column| row.cell(column));
             let (first_time, first_station) = *first.get_or_insert((time, station));
+            // Rows of two stations would be read as one weather that jumps back and forth.
             if station != first_station {
                 let expected = format!("{}, the station of the first row", visible_start(first_station));
                 return Err(table.wrong(&row, self.station.unwrap_or_default(), &expected));
             }
+            // Local times and those of a zone have no common order.
             if time.zone.is_some() != first_time.zone.is_some() {
                 let expected = if time.zone.is_some() { "no zone" } else { "a zone" };
                 return Err(table.wrong(&row, time_column, &format!("a time with {expected}, as in the first row")));
             }
             let at_s = (time.utc_s - first_time.utc_s) as f64;
+            // Two rows of one time would leave open which of them holds.
             if rows.back().is_some_and(|before| at_s <= before.at_s) {
                 return Err(table.wrong(&row, time_column, "a time after that of the previous row"));
             }
             if at_s > start_s + duration_s {
                 break;
             }
+            // Only the rows that are needed stay, so a century by the hour is read in bounded memory.
             if at_s <= start_s && rows.len() == history {
                 rows.pop_front();
             }
@@ -456,6 +464,7 @@ fn require(
             || it == StreamQuantity::Solar && columns[StreamQuantity::Cloud as usize].is_some()
     };
     let missing = needed.iter().filter(|it| !is_there(**it)).map(|it| name(&QUANTITIES[*it as usize]));
+    // All missing columns are named at once, so that a table is mended in one go.
     let missing: Vec<&str> = time.err().into_iter().chain(missing).collect();
     time.ok().filter(|_| missing.is_empty()).ok_or_else(|| table.lacks(&missing))
 }
@@ -645,6 +654,7 @@ impl<'a> WeatherStream<'a> {
                 self.format.notes.push("Its times have no zone and are local: `utc_offset_h` has no effect.".into());
             }
             Some(hours) => {
+                // Values of the scenario are checked only after its files are read, so this one may be anything.
                 self.rows.iter_mut().for_each(|row| row.local_s += (3600.0 * hours.clamp(-24.0, 24.0)).round() as i64);
                 self.format.notes.push(format!("Its times are converted to a clock {} h ahead of UTC.", short(hours)));
             }
@@ -684,6 +694,7 @@ impl<'a> WeatherStream<'a> {
                 Err(error) => return Err(error),
             }
             winds.push(WindChange {
+                // The first row holds since before the start of the run.
                 at_s: (row.at_s - start_s).max(0.0),
                 speed_mps,
                 toward_deg: house_angle(from_deg),
@@ -709,6 +720,7 @@ impl<'a> WeatherStream<'a> {
         let mut sticks = [0, 1, 2].map(|class| Stick::new(SIZES[class]));
         let mut moistures = Vec::with_capacity(self.rows.len());
         for (number, row) in self.rows.iter().enumerate() {
+            // A stick advances by exactly one hour, and a gap would leave out its drying.
             let is_hourly = number == 0 || row.at_s - self.rows[number - 1].at_s == 3600.0;
             let name = &format.table.name;
             let line = row.row.line;
@@ -734,6 +746,7 @@ impl<'a> WeatherStream<'a> {
                 stick.median_moisture()
             }));
         }
+        // The hours before the run only brought the sticks to their state.
         Ok(moistures.split_off(self.first))
     }
 }

@@ -172,6 +172,7 @@ impl Features<'_> {
                 return table.refuse("points_m", "1 point".into(), "two points or more, or none".into());
             }
             for (place, point) in road.points_m.iter().enumerate() {
+                // This is far outside of any field, and small enough that lengths stay finite.
                 if point.iter().any(|m| m.abs() > 1e6) {
                     let expected = "metres from -1000000 to 1000000".into();
                     return table.inner("points_m").refuse_step(PathStep::Index(place), format!("{point:?}"), expected);
@@ -218,6 +219,7 @@ impl Patches {
     /// Lays ellipses until the share is reached.
     fn lay(&self, ground: &mut [u8], frame: &FieldFrame, rng: &mut impl Rng) {
         let fuel = self.fuel.number();
+        // Cells that this entry has covered count once, wherever its patches overlap.
         let wanted = (self.share * frame.cell_count() as f64).round() as usize;
         let mut is_covered = vec![false; frame.cell_count()];
         let mut covered = 0;
@@ -360,6 +362,7 @@ impl Road {
         for piece in points.windows(2) {
             let [start, end] = [piece[0], piece[1]];
             let way = end - start;
+            // Two equal points have no direction; the piece is then a disc.
             let length = way.length().max(f64::MIN_POSITIVE);
             let direction = way / length;
             // Half of the width, or what makes a line of cells that meet at their sides.

@@ -114,6 +114,7 @@ impl Shapes {
         }
         self.project()?;
         let (low, high) = self.bounds();
+        // It is at least one cell, as polygons without an extent have a size of 0.
         let size = ((high - low) / cell_m).ceil().max(DVec2::ONE);
         if size.max_element() > f64::from(max) {
             return Err(MapFault::TooWide { size: [high.x - low.x, high.y - low.y], cell_m, max });
@@ -158,6 +159,7 @@ impl Shapes {
                 self.points.iter_mut().for_each(|point| *point *= unit_m);
                 return Ok(());
             }
+            // Numbers that cannot be degrees are metres where the file does not say what they are.
             None if !could_be => return Ok(()),
             _ if !could_be => return Err(MapFault::Coordinate),
             _ => {}
@@ -178,6 +180,7 @@ impl Shapes {
             let row = |y: f64| (y - 0.5).ceil().clamp(0.0, rows as f64) as usize;
             row(a.y.min(b.y))..row(a.y.max(b.y))
         };
+        // Crossings are counted first, so outlines finer than any field are refused before memory is taken for them.
         let all: usize = self.edges(0..self.ring_ends.len()).map(|(a, b)| crossed(a, b).len()).sum();
         if all > MAX_CROSSINGS {
             return Err(MapFault::TooFine { found: all, max: MAX_CROSSINGS });
@@ -186,10 +189,12 @@ impl Shapes {
         for &end_ring in &self.polygon_ends {
             let mut crossings: Vec<(usize, f64)> = Vec::new();
             for (a, b) in self.edges(first_ring..end_ring) {
+                // Level edges divide by zero here, and cross no middle line that would use it.
                 let slope = (b.x - a.x) / (b.y - a.y);
                 crossings.extend(crossed(a, b).map(|row| (row, a.x + slope * (row as f64 + 0.5 - a.y))));
             }
             crossings.sort_unstable_by(|one, other| one.0.cmp(&other.0).then(one.1.total_cmp(&other.1)));
+            // Rings are closed, so that an even number of edges crosses each row and no pair spans two of them.
             for pair in crossings.chunks_exact(2) {
                 let [(row, from), (_, to)] = [pair[0], pair[1]];
                 let col = |x: f64| (x - 0.5).ceil().clamp(0.0, occupied.cols() as f64) as usize;
@@ -233,12 +238,14 @@ impl Shapes {
         let starts = std::iter::once(&0).chain(&self.ring_ends);
         for piece in starts.zip(&self.ring_ends).flat_map(|(&start, &end)| self.points[start..end].windows(2)) {
             for (row, cols) in crossed_by(frame, [piece[0], piece[1]].map(|point| (point - corner) / frame.cell_m)) {
+                // Each piece counts at least one, so millions of tiny pieces end too.
                 left = left
                     .checked_sub(1 + cols.len())
                     .ok_or_else(|| format!("its lines cross more than {MAX_CROSSINGS} cells"))?;
                 cells[row * usize::from(frame.cols)..][cols].fill(1);
             }
         }
+        // Degrees that are read as metres give lines shorter than a cell, which is the usual slip.
         let size = high - low;
         if !cells.contains(&1) || size.max_element() < frame.cell_m {
             return Err(format!(
@@ -325,6 +332,7 @@ impl<'de> Visitor<'de> for Member<'_> {
                 }
             }
         }
+        // The kind is decided at the end, since `type` may stand behind the coordinates.
         let (expected, lists) = match (kind.as_str(), shapes.are_lines) {
             ("Polygon", false) => (POLYGON, "a list of rings, each a list of points"),
             ("MultiPolygon", false) => (POLYGON + 1, "a list of polygons, each a list of points"),
@@ -333,6 +341,7 @@ impl<'de> Visitor<'de> for Member<'_> {
             ("FeatureCollection" | "Feature" | "GeometryCollection", _) => return Ok(()),
             _ => {
                 shapes.left_out += usize::from(TYPES.contains(&kind.as_str()));
+                // What a geometry of another kind added is taken back, as its coordinates were read before its type was known.
                 shapes.points.truncate(before.0);
                 shapes.ring_ends.truncate(before.1);
                 shapes.polygon_ends.truncate(before.2);
@@ -447,6 +456,7 @@ impl<'de> Visitor<'de> for Nest<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Nested, A::Error> {
         let Self { shapes, depth } = self;
+        // The depth of nesting is that of the recursion, and a file may be one bracket after the other.
         if depth > POLYGON {
             return Err(A::Error::custom("coordinates are lists in lists, at most four deep"));
         }
@@ -454,6 +464,7 @@ impl<'de> Visitor<'de> for Nest<'_> {
         let mut numbers = DVec2::ZERO;
         let mut count = 0;
         while let Some(item) = seq.next_element_seed(Nest { shapes, depth: depth + 1 })? {
+            // A third coordinate is a height.
             if let Nested::Number(number) = item
                 && count < 2
             {

@@ -74,6 +74,7 @@ impl ImportedField {
         if !geojson::is_geojson(text) {
             return parse_json(text, cell_m);
         }
+        // The size of a cell decides how many of them the polygons cover, so it is checked first.
         if !(cell_m > 0.0 && cell_m.is_finite()) {
             return Err(MapFault::CellSize { found: cell_m }.at(0..0));
         }
@@ -140,6 +141,7 @@ fn parse_rows(text: &str, cell_m: f64) -> Result<ImportedField, MapError> {
     let body = text.trim_end();
     let mut cells: Vec<Vec<bool>> = Vec::new();
     let mut start = 0;
+    // `lines` would not do: it drops carriage returns, and spans are counted in bytes.
     for line in body.split('\n') {
         let row = parse_row(line, start)?;
         let expected = cells.first().map_or(row.len(), Vec::len);

@@ -151,6 +151,7 @@ pub struct NoRiver;
 /// # Errors
 /// Fails if there is no place for the river.
 pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Option<Vec<u8>>, NoRiver> {
+    // Under the model `radius` only bushes burn.
     if scenario.fire.model == FireModelName::Radius {
         return Ok(None);
     }
@@ -158,11 +159,13 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     let Some(settings) = &scenario.landscape else { return Ok(Some(vec![everywhere; frame.cell_count()])) };
     let ground = settings.imported.as_ref().map(|ground| ground.fuel_or(everywhere));
     let mut fuel = ground.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
+    // The river keeps clear of starts, which it could otherwise flood.
     let free =
         RiverExclusion { centres: scenario.start_centres().collect(), clearance_m: scenario.field.start_clearance_m };
     if !settings.features().lay(&mut fuel, frame, seed, &free) {
         return Err(NoRiver);
     }
+    // Roads come after the river, so that those from a file cross it on bridges.
     let roads = settings.imported_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
     fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
     Ok(Some(fuel))
@@ -180,6 +183,7 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
     let settings = scenario.landscape.as_ref().unwrap_or(&usual);
     let mut blocked = Vec::new();
     for (index, (fuel, &is_bush)) in fuel.iter_mut().zip(bushes.values()).enumerate() {
+        // A bush stands in the way by itself; listed twice, it would be counted twice.
         if is_bush {
             *fuel = bush;
         } else if settings.blocks(*fuel) {

@@ -83,6 +83,7 @@ impl Weights {
     pub(crate) fn read(path: &Path, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Self, String> {
         let mut raster = raster::read(path).map_err(|error| error.to_string())?;
         let name = path.display().to_string();
+        // Without a landscape there is no place to compare with, so only size and shape must fit.
         let [west_m, south_m] = layers.map_or([raster.west_m, raster.south_m], |it| [it.west_m, it.south_m]);
         let rows = frame.rows.into();
         let cols = frame.cols.into();
@@ -294,6 +295,7 @@ impl LayerReader {
         for (fuel, _) in self.fuel.iter_mut().flatten().zip(&self.outside).filter(|&(_, &is_outside)| is_outside) {
             *fuel = 0;
         }
+        // With a layer of fuel the rim is known by its 0.
         let rim: Option<Vec<u8>> =
             (outside > 0 && self.fuel.is_none()).then(|| self.outside.iter().map(|&it| it.into()).collect());
         Some(ImportedLayers {

@@ -94,15 +94,18 @@ impl Terrain {
         }
         let field = &scenario.field;
         let mut layout = PieceLayout::new(field.frame(), field.overlaps);
+        // A bush on a road would close it, and none grows on water.
         for (closed, &fuel) in layout.closed.values_mut().iter_mut().zip(cover) {
             *closed = is_bare(fuel);
         }
         for centre in scenario.start_centres() {
             layout.keep_free(centre, field.start_clearance_m);
         }
+        // Another name of the stream would change the field of every seed.
         layout.fill(field.shapes.clone(), field.wanted_pieces(), &mut rng::stream(seed, "terrain"))?;
         let terrain = Self::from_occupied(field.frame(), layout.occupied);
         let mut pieces = Vec::new();
+        // Only fire that takes whole pieces asks for them.
         if scenario.fire.takes_pieces() {
             pieces.extend(terrain.bushes.iter().map(|bush| layout.pieces[(bush.row.into(), bush.col.into())]));
         }
@@ -125,6 +128,7 @@ fn joined_along_sides(terrain: &Terrain) -> Vec<u32> {
             let sides = [(1, 0), (-1, 0), (0, 1), (0, -1)];
             for (cols, rows) in sides {
                 let beside = frame.offset(terrain.bushes[bush], cols, rows).map(|cell| frame.index(cell));
+                // Bushes are in the order of their index, so a neighbour is found without a second grid.
                 let next = beside.map(|cell| terrain.bushes.binary_search_by_key(&cell, |&bush| frame.index(bush)));
                 if let Some(Ok(next)) = next
                     && pieces[next].is_none()

@@ -51,10 +51,12 @@ fn nearest_free_pose(frame: &FieldFrame, wanted: Pose, is_free: impl Fn(&Pose) -
     let rings = (2.0 * frame.width_m().max(frame.height_m()) / RING_M).ceil() as i32;
     (0..rings).find_map(|ring| {
         let radius = f64::from(ring) * RING_M;
+        // Spokes grow with the ring, so that places stay about as close together; 64 bound the search on far rings.
         let spokes = (8 * ring).clamp(1, 64);
         (0..spokes).find_map(|spoke| {
             let bearing = std::f64::consts::TAU * f64::from(spoke) / f64::from(spokes);
             let place = wanted.position() + Pose::new(0.0, 0.0, bearing).direction() * radius;
+            // Headings alternate to both sides, so the one nearest to the wanted one is tried first.
             let turned = |k: i32| {
                 let steps = if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 };
                 wanted.heading + std::f64::consts::TAU * f64::from(steps) / f64::from(HEADINGS)

@@ -141,6 +141,7 @@ impl WeatherSettings {
 pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
     let mut winds = scenario.wind.clone();
     let usual = scenario.fire.rothermel.as_ref().map_or_else(FuelMoisture::default, |settings| settings.moisture);
+    // From 0 s on there is a moisture, whatever the first change says.
     let mut moistures = vec![(0.0, usual)];
     if let Some(settings) = &scenario.weather {
         moistures.extend(settings.moisture.iter().map(|change| (change.at_s, change.moisture())));
@@ -162,6 +163,7 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
         }
         for (_, moisture) in &mut moistures {
             for dead in [&mut moisture.d1, &mut moisture.d10, &mut moisture.d100] {
+                // This applies only where it is uncertain: a moisture below 1 % that the scenario states must not be raised.
                 if settings.moisture_sd > 0.0 {
                     *dead = (*dead + settings.moisture_sd * moister).max(MIN_MOISTURE);
                 }

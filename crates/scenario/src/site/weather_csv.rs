@@ -38,6 +38,7 @@ pub(crate) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, Stri
     for row in table.rows() {
         let row = row?;
         let at_s = table.number(&row, at, 0.0, 1e9)?;
+        // Two changes at one time would leave open which of them holds.
         if let Some(before) = changes.last().filter(|before| at_s <= before.at_s) {
             return Err(table.wrong(
                 &row,
@@ -45,6 +46,7 @@ pub(crate) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, Stri
                 &format!("a time after {} s, the time of the previous row", before.at_s),
             ));
         }
+        // Rows beyond the run are not read, and may hold anything.
         if at_s > end_s {
             break;
         }

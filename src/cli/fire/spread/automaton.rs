@@ -100,6 +100,7 @@ fn burn_all(
 ) -> Vec<Burned> {
     let &AutomatonArguments { runs, seed, steps, jobs, .. } = arguments;
     let fuel = FireField::new(*frame, &[], false).with_ground((0..frame.cell_count()).map(|index| frame.cell(index)));
+    // Seeds are consecutive, so that any single fire of the list can be burned again by itself.
     let burn = |run: u32| {
         let mut fires = fuel.clone();
         let automaton = automaton.with_seed(seed.wrapping_add(run.into()));
@@ -109,6 +110,7 @@ fn burn_all(
     };
     let jobs = jobs_or_all(jobs) as u32;
     let mut fires = vec![Burned { area: 0, last_step: 0 }; runs as usize];
+    // Each job has a part of the list, so no lock is needed and the order is that of the seeds.
     let share = runs.div_ceil(jobs.min(runs)) as usize;
     thread::scope(|scope| {
         for (job, fires) in fires.chunks_mut(share).enumerate() {

@@ -38,6 +38,7 @@ impl<'a> GroundSources<'a> {
         };
         let elevation = arguments.elevation.as_deref().map(|path| (LayerKind::Elevation, path));
         let mut rasters: Vec<_> = elevation.into_iter().chain(arguments.canopy.rasters()).collect();
+        // A fuel model comes first: a file that is called `GR2` can still be named with a folder.
         if let Some(model) = FuelModel::by_name(name.trim()) {
             return Ok(Self { fuel: model.number, rasters });
         }
@@ -60,6 +61,7 @@ impl<'a> GroundSources<'a> {
         }
         let layers = layers.finish();
         let frame = layers.as_ref().map_or_else(|| arguments.frame(), |layers| layers.frame);
+        // The frame is known only now, and nothing large has been taken for the fire yet.
         check_memory(&frame, arguments)?;
         let requested = [arguments.rows.map(f64::from), arguments.cols.map(f64::from), arguments.cell];
         let actual = [frame.rows.into(), frame.cols.into(), frame.cell_m];

@@ -225,6 +225,7 @@ impl SpreadArguments {
                 ([&rasters[..], &trees, &outputs, &perimeters].concat(), "rothermel")
             }
         };
+        // An option without effect would leave its user believing that it was taken into account.
         match options.iter().find(|(_, is_set)| *is_set) {
             Some((name, _)) => Err(CliError::bad_input(format!("{name} is an option of --model {model}"), None)),
             None => Ok(()),

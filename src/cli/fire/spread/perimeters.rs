@@ -59,6 +59,7 @@ pub fn write(path: &Path, ground: &GroundOnEarth, expected: &[f64], times_s: &[f
                 .iter()
                 .map(|ring| {
                     ring.iter()
+                        // A ring of GeoJSON ends with the point that it begins with.
                         .chain(ring.first())
                         .map(|&[x, y]| {
                             [ground.place.west_m + frame.cell_m * x, ground.place.south_m + frame.cell_m * y]
@@ -80,6 +81,7 @@ pub fn write(path: &Path, ground: &GroundOnEarth, expected: &[f64], times_s: &[f
         })
     });
     let mut collection = json!({"type": "FeatureCollection", "features": features.collect::<Vec<Value>>()});
+    // Without this member of an older GeoJSON, readers take all coordinates for degrees.
     if let Some(epsg) = ground.place.crs.as_ref().and_then(GeoKeys::epsg) {
         let name = format!("urn:ogc:def:crs:EPSG::{epsg}");
         collection["crs"] = json!({"type": "name", "properties": {"name": name}});
@@ -137,6 +139,7 @@ fn polygons(frame: FieldFrame, expected: &[f64], time_s: f64) -> Vec<Vec<Ring>> 
         let Cell { col, row } = frame.cell(index);
         let other = beside(index, side).map_or(f64::NAN, |near| expected[near]);
         let share = (time_s - expected[index]) / (other - expected[index]);
+        // It is never at a middle itself, where two borders would meet in a point.
         let share = if other.is_finite() { share.clamp(NEAREST, 1.0 - NEAREST) } else { 0.5 };
         let (cols, rows) = BESIDE[side];
         [f64::from(col) + 0.5 + share * cols as f64, f64::from(row) + 0.5 + share * rows as f64]
@@ -145,6 +148,7 @@ fn polygons(frame: FieldFrame, expected: &[f64], time_s: f64) -> Vec<Vec<Ring>> 
     while let Some(&first) = crossings.first() {
         let mut ring = Vec::new();
         let mut at = first;
+        // Each crossing belongs to one ring, so removing it also finds the end of the ring.
         while crossings.remove(&at) {
             ring.push(point(at));
             let (index, side) = at;
@@ -161,6 +165,7 @@ fn polygons(frame: FieldFrame, expected: &[f64], time_s: f64) -> Vec<Vec<Ring>> 
         rings.entry(groups[first.0].expect("it is inside")).or_default().push(turns(&ring));
     }
     let mut polygons: Vec<Vec<Ring>> = rings.into_values().collect();
+    // Outer rings go against the clock and holes with it, which GeoJSON wants in this order.
     polygons.iter_mut().for_each(|rings| rings.sort_by_key(|ring| doubled_area(ring) < 0.0));
     polygons
 }

@@ -106,6 +106,7 @@ impl SpreadReport {
         fire_types: &[f64],
         perimeter_m: f64,
     ) -> Self {
+        // This is asked before the fire is borrowed for reading, as looking for the next arrival changes its queue.
         let has_ended = fire.next_arrival().is_none();
         let fire = &*fire;
         let landscape = &*ground.landscape;
@@ -146,6 +147,7 @@ impl SpreadReport {
                 .map(|&(time, cell)| IgnitionRow { row: cell.row, col: cell.col, at_s: time.as_seconds() })
                 .collect(),
             burned_cells,
+            // A cell that has burned is no longer among those that can burn.
             burnable_cells: fire.fires().flammable().len() + burned_cells,
             has_ended,
             burned_ha: burned_cells as f64 * frame.cell_m * frame.cell_m / 10_000.0,
@@ -232,6 +234,7 @@ fn farthest(
     let frame = fire.fires().frame();
     let reached = burned.filter_map(|(cell, time)| {
         let ignited = ignitions
+            // An ignition that came after the fire cannot have brought it there.
             .iter()
             .filter(|&&(ignited_at, _)| ignited_at <= time)
             .map(|&(ignited_at, start)| (frame.centre(cell) - frame.centre(start), ignited_at));
@@ -240,6 +243,7 @@ fn farthest(
     });
     let (cell, time, way, ignited_at) =
         reached.max_by(|(_, _, a, _), (_, _, b, _)| a.length_squared().total_cmp(&b.length_squared()))?;
+    // A fire that never left its ignition has no direction.
     (way.length_squared() > 0.0).then(|| Farthest {
         row: cell.row,
         col: cell.col,

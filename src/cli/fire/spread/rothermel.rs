@@ -52,6 +52,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     }
     let weather = Arc::new(weather);
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
+    // Only the fire is timed: reading rasters depends on the disk.
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));
     let cpu = stopwatch.elapsed_since_last();
@@ -62,6 +63,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         None => Vec::new(),
     };
     let cells = (0..landscape.frame.cell_count()).map(|index| landscape.frame.cell(index));
+    // Times beyond the end count too: the perimeter runs between a cell that burned and one that fire reaches later.
     let expected: Vec<f64> =
         cells.map(|cell| fire.expected_arrival(cell).map_or(f64::NAN, SimTime::as_seconds)).collect();
     let perimeter_m = perimeters::perimeter_m(landscape.frame, &expected, arguments.duration);
@@ -135,6 +137,7 @@ fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(
             return Ok((SimTime::from_seconds(start.seconds), start.cell));
         }
         let Cell { col, row } = start.cell;
+        // `and` keeps the first error, after everything that could be written was written.
         let sentence = match FuelModel::by_number(fuel) {
             Some(model) => format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}, {}", model.name),
             None => format!("--ignite {row},{col}: this cell cannot burn, it has no fuel"),

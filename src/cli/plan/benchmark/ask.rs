@@ -62,6 +62,7 @@ impl<'a> Benchmark<'a> {
                 "- is stdin, which can be read only once; a benchmark reads its fields for every variant and seed";
             return Err(CliError::bad_input(sentence, Some("save the field to a file first")));
         }
+        // The text is read once and kept, as every variant is made of it.
         let text = ScenarioText::open(&arguments.scenario)?;
         let mut request = BatchRequest {
             scenarios: vec![arguments.scenario.clone()],
@@ -91,6 +92,7 @@ impl<'a> Benchmark<'a> {
             context.expect_trusted_planners(&variant.scenario, names)?;
         }
         let mut values: Vec<Vec<Value>> = Vec::new();
+        // Variants that differ in their planners only share a place: they are rows of one table.
         let places = plan.variants.iter().map(|variant| {
             let place = values.iter().position(|existing| *existing == variant.swept).unwrap_or(values.len());
             if place == values.len() {
@@ -122,6 +124,7 @@ impl<'a> Benchmark<'a> {
     fn check_size(&self) -> Result<(), CliError> {
         let planner_count = self.planners.iter().map(Vec::len).sum::<usize>() as u64;
         let min = self.arguments.problems.problems().min_goals() as u64;
+        // These are the fewest goals that a problem can have; only if they are few enough is each problem made and counted.
         let mut queries = planner_count.saturating_mul(self.plan.seeds.count()).saturating_mul(min);
         if queries <= MAX_QUERIES {
             queries = 0;
@@ -166,11 +169,13 @@ impl<'a> Benchmark<'a> {
         let progress = Progress::new(count, "sets of drives", self.context.quiet);
         let work = || {
             loop {
+                // Threads take sets one by one, as these differ in how long they take.
                 let number = next.fetch_add(1, Ordering::Relaxed);
                 if number > count || has_failed.load(Ordering::Relaxed) {
                     return;
                 }
                 let part = self.part(number);
+                // The others stop at their next part, since the command fails whatever they find.
                 has_failed.fetch_or(part.is_err(), Ordering::Relaxed);
                 done.lock().unwrap_or_else(PoisonError::into_inner).push((number, part));
                 progress.advance();
@@ -179,6 +184,7 @@ impl<'a> Benchmark<'a> {
         thread::scope(|scope| (0..jobs).for_each(|_| drop(scope.spawn(work))));
         progress.end();
         let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+        // Threads end in any order, and the table must not depend on it.
         done.sort_by_key(|(number, _)| *number);
         done.into_iter().map(|(_, part)| part).collect()
     }

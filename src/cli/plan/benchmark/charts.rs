@@ -157,6 +157,7 @@ impl Over<'_> {
             (measure.column, self.chart(titles, |group| Some(scaled(group.median(measure)?, measure.scale))))
         });
         let mut charts: Vec<_> = std::iter::once(("solved", solved)).chain(medians).collect();
+        // A measure that no query has, such as a length where nothing was solved, is left out.
         charts.retain(|(_, chart)| chart.panels.iter().flat_map(|panel| &panel.curves).any(|it| !it.points.is_empty()));
         charts
     }
@@ -168,6 +169,7 @@ impl Over<'_> {
                 .iter()
                 .filter_map(|&group| Some((self.places[group], value(&self.groups[group])?)))
                 .collect();
+            // Points go by value: keys may be swept in any order, and a curve must not run back.
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             Curve { name: series.name, style: series.style, points }
         };

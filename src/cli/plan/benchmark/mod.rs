@@ -43,8 +43,10 @@ pub fn matches(arguments: &PlanArguments) -> Result<bool, CliError> {
 
 pub fn run(arguments: &PlanArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let benchmark = begin(arguments, context)?;
+    // This comes before the queries, which may take hours.
     let stream = files(arguments).check()?;
     arguments.report.as_deref().map_or(Ok(()), check_folder)?;
+    // This is the time at the beginning, as OMPL's logs have it.
     let started = arguments.ompl.as_ref().map(|_| Started::now()).transpose()?;
     let report = run_queries(arguments, &benchmark)?;
     let printed = stream.print(&arguments.form.render(&report));
@@ -139,6 +141,7 @@ fn ompl_log<'a>(
             let swept = plan.swept_keys.iter().cloned().zip(plan_variant.swept.iter().map(ToString::to_string));
             let settings = planner_settings(planner, &loaded);
             let settings = swept
+                // A key that is swept and a setting of the planner is listed once.
                 .filter(|(key, _)| settings.iter().all(|(setting, _)| setting != key))
                 .chain(settings.clone())
                 .collect();
@@ -147,6 +150,7 @@ fn ompl_log<'a>(
     }
     let mut place = 0;
     for (number, problem) in report.problems.iter().enumerate() {
+        // Rows follow one another problem by problem, so a count is enough to find those of each.
         let count = problem.goals * benchmark.planners[problem.variant].len();
         for query in &report.drives.rows[place..place + count] {
             let planner = planners
@@ -192,6 +196,7 @@ pub fn report(arguments: &PlanReportArguments, quiet: bool) -> Result<ExitCode, 
         return Err(CliError::bad_input(sentence, None));
     }
     let files = Files { inputs: vec![&table], outputs: vec![(Format::Html, &page)], ..Files::default() };
+    // This comes before the table is read, as a page that cannot be written needs none.
     let stream: ReportStream = files.check()?;
     check_folder(&charts_folder_of(&page))?;
     let queries = DriveTable::read(&table)?;

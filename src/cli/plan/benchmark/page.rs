@@ -45,6 +45,7 @@ pub fn write_page(
     let folder = charts_folder_of(page);
     fs::create_dir_all(&folder).map_err(|error| CliError::unwritable(&folder, &error))?;
     let sheets = || charts.boxes.iter().chain(&charts.curves);
+    // Charts come before the page, which links them.
     sheets().try_for_each(|sheet| write_chart(&folder, &sheet.file, &sheet.drawing)).map_err(from_report_error)?;
     charts.data.iter().try_for_each(|data| write_chart_data(&folder, data)).map_err(from_report_error)?;
     if paper.pdf || paper.pgf {

@@ -137,6 +137,7 @@ impl OmplLog<'_> {
             writeln!(log, "{}", planner.name)?;
             writeln!(log, "{} common properties", planner.settings.len())?;
             planner.settings.iter().try_for_each(|(name, value)| writeln!(log, "{name} = {}", one_line(value)))?;
+            // There is one more than the list has, for the status, which is an enumeration and comes last.
             writeln!(log, "{} properties for each run", PROPERTIES.len() + 1)?;
             PROPERTIES.iter().try_for_each(|(name, _)| writeln!(log, "{name}"))?;
             writeln!(log, "status ENUM")?;
@@ -149,6 +150,7 @@ impl OmplLog<'_> {
 
     fn write_head(&self, log: &mut impl Write) -> io::Result<()> {
         writeln!(log, "wildfire version {PROGRAM_VERSION}")?;
+        // The script of OMPL splits the line at blanks.
         writeln!(log, "Experiment {}", self.scenario.replace(char::is_whitespace, "_"))?;
         writeln!(log, "0 experiment properties")?;
         writeln!(log, "Running on {}", host())?;
@@ -164,6 +166,7 @@ impl OmplLog<'_> {
         writeln!(log, "CPU(s): {}", machine.processors)?;
         machine.cpu.iter().try_for_each(|model| writeln!(log, "Model name: {model}"))?;
         writeln!(log, "|>>>")?;
+        // OMPL has one number for all planners, while a benchmark may ask some of them more often.
         let runs = self.planners.iter().map(|planner| planner.runs.len()).max().unwrap_or(0);
         writeln!(log, "{} is the random seed", self.seed)?;
         writeln!(log, "{} seconds per run", self.seconds_per_run())?;

@@ -38,6 +38,7 @@ impl From<&Ranking> for Document {
         document.add_list(played(ranking));
         document.add(table(ranking));
         document.add_list(remarks(ranking));
+        // A single entry has no differences, and the legend speaks of nothing else.
         if ranking.entries.len() > 1 {
             document.add(forest(ranking));
             document.add(pairs(ranking));
@@ -84,6 +85,7 @@ pub fn decimals(ranking: &Ranking) -> usize {
 
 /// The entries, best first, each with its difference from the first.
 fn table(ranking: &Ranking) -> Table {
+    // Columns that are zero for all entries are left out: most rankings have no failures, and a page has room for few columns.
     let has_failed = ranking.entries.iter().any(|entry| entry.failed > 0);
     let has_failed_queries = ranking.entries.iter().any(|entry| entry.queries.failed > 0);
     let has_failed_asks = ranking.entries.iter().any(|entry| entry.queries.failed_asks > 0);
@@ -111,6 +113,7 @@ fn table(ranking: &Ranking) -> Table {
         cells.extend(Interval::ends(interval).map(|end| optional(end, decimals)));
         cells.extend(has_failed.then(|| percent(entry.failed as f64 / entry.runs as f64)));
         let queries = &entry.queries;
+        // A failed query is not counted as a drive, so that the whole is the sum of both.
         cells.extend(has_failed_queries.then(|| share_text(queries.failed, queries.drives + queries.failed)));
         cells.extend(has_failed_asks.then(|| share_text(queries.failed_asks, queries.asks)));
         cells.extend(has_rescued.then(|| share_text(queries.rescued, queries.drives)));
@@ -139,6 +142,7 @@ fn forest(ranking: &Ranking) -> Block {
         x: format!("{metric} minus the first's ({unit})"),
         y: String::new(),
     };
+    // A chart of hundreds of rows cannot be read; the table has them all.
     let chart = ForestChart { titles, rows: rows.take(MAX_DRAWN).collect() };
     Block::Figure(Figure { svg: chart.draw(SCREEN_WIDTH).to_svg(), file: None, more_files: Vec::new() })
 }
@@ -179,6 +183,7 @@ fn audit_lines(ranking: &Ranking) -> Vec<String> {
             )
         })
         .collect();
+    // That nothing was found is said only if something was looked at.
     if lines.is_empty() && !audits.is_empty() {
         lines.push(format!("Audit: {} repeated, no violation.", count(repeated as usize, "run")));
     }

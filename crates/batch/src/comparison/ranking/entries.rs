@@ -85,11 +85,13 @@ impl<'a> Entries<'a> {
         for (table, settings) in tables.iter().zip(settings) {
             entries.extend(divided(table, settings, selection, free)?);
         }
+        // Each pair of entries is tested, so the work grows with the square of their number.
         let limit = super::MAX_ENTRIES;
         if entries.len() > limit {
             return Err(RankingError::TooMany { count: entries.len(), limit });
         }
         name_entries(&mut entries)?;
+        // This goes by name and so comes after naming; it comes before strata, as an entry that is left out must not add any.
         leave_out(&mut entries, without)?;
         let columns = varying_columns(&entries, free);
         let strata = number_strata(&mut entries, &columns)?;
@@ -117,16 +119,19 @@ impl<'a> Entries<'a> {
     /// All entries have runs of the same seeds under the same conditions, or, if a rule stopped them, some of these.
     fn refuse_other_runs(&self) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
+        // A stopping rule plays seeds in order and drops entries, so the runs of each are the first of the longest.
         let longest = self.entries.iter().max_by_key(|entry| entry.runs.len()).unwrap_or(first);
         let longest: BTreeSet<_> = longest.runs.iter().map(RankedRun::key).collect();
         for other in others {
             let [ours, theirs] = [first, other].map(|it| it.runs.iter().map(RankedRun::key).collect::<BTreeSet<_>>());
+            // Without a rule, an entry with fewer seeds would have chosen them.
             let were_stopped = [first, other].iter().all(|entry| entry.settings.plan().until.is_some());
             if ours == theirs || were_stopped && ours.is_subset(&longest) && theirs.is_subset(&longest) {
                 continue;
             }
             let seeds = [first, other].map(|entry| seeds_text(entry.runs.iter().map(|run| run.seed)));
             let names = [first, other].map(|entry| entry.name.clone());
+            // With equal seeds, only the conditions can be what differs.
             return Err(if seeds[0] == seeds[1] {
                 RankingError::OtherConditions { names, columns: listed(&self.columns) }
             } else {
@@ -152,6 +157,7 @@ impl<'a> Entries<'a> {
     /// All entries ran by the same program, under the same limits, in scenarios that differ only in what is free.
     fn refuse_other_rules(&self, freedom: &FreeParameters) -> Result<(), RankingError> {
         let [first, others @ ..] = &self.entries[..] else { unreachable!("there is a table, and it has runs") };
+        // The first entry stands for all: equal rules are equal for all, and a difference names two entries.
         let ours = first.rules(self.strata, &freedom.keys);
         let limits = first.limits_of_programs(&freedom.limits).into_iter();
         let mut limits: BTreeMap<_, _> = limits.map(|(key, found)| (key, (first.name.clone(), found))).collect();
@@ -164,6 +170,7 @@ impl<'a> Entries<'a> {
                     differences.push(format!("{} is {one} and {theirs}", visible_start(&key)));
                 }
             }
+            // A difference that all strata have would otherwise be listed for each of them.
             differences.dedup();
             if !differences.is_empty() {
                 let more = differences.len().saturating_sub(MAX_NAMED);
@@ -264,6 +271,7 @@ fn divided<'a>(
             entries.push(EntryRuns { name: String::new(), table, settings, levels, runs: Vec::new() });
             entries.len() - 1
         });
+        // The check is part of reading: a column with another value in each run would make an entry of every row.
         if entries.len() > super::MAX_ENTRIES {
             return Err(RankingError::TooMany { count: entries.len(), limit: super::MAX_ENTRIES });
         }
@@ -371,6 +379,7 @@ fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<us
         let conditions: Vec<&RunCondition> = conditions.collect::<Result<_, _>>()?;
         let mut index_of: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
         for run in &mut entry.runs {
+            // As in pairs of a comparison, texts are looked up once for each combination and not once for each run.
             let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run.index]).collect();
             run.stratum = *index_of.entry(levels).or_insert_with(|| {
                 let values = conditions.iter().map(|condition| condition.level_of(run.index).to_owned()).collect();
@@ -379,6 +388,7 @@ fn number_strata(entries: &mut [EntryRuns<'_>], columns: &[String]) -> Result<us
             });
         }
     }
+    // Sums go by stratum: numbered by appearance, exchanging two entries would change their last bits.
     let mut by_text = vec![0; numbers.len()];
     numbers.values().enumerate().for_each(|(place, &number)| by_text[number] = place);
     for entry in entries.iter_mut() {

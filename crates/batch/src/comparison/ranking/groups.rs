@@ -51,6 +51,7 @@ impl Significance {
 
     /// Returns the letters of each entry; `None` if there are more groups than letters.
     pub fn letters(&self) -> Option<Vec<String>> {
+        // At first no pair differs and all entries share one group; each pair that differs splits the groups that hold both.
         let all = (0..self.count).fold(0, |bits, entry| bits | 1 << entry);
         let mut groups: Vec<u128> = vec![all];
         for (one, &differs) in self.from.iter().enumerate() {
@@ -61,6 +62,7 @@ impl Significance {
                 // A half that another group holds says nothing new.
                 for half in split.into_iter().flat_map(|group| [group & !(1 << one), group & !(1 << other)]) {
                     if !kept.iter().any(|group| half & !group == 0) {
+                        // Groups within the new half are absorbed: their members already share its letter.
                         kept.retain(|group| group & !half != 0);
                         kept.push(half);
                     }

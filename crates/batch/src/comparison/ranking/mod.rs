@@ -212,6 +212,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
         settings.map_err(|reason| RankingError::RulesUnknown { path: table.path.clone(), reason })
     });
     let settings = settings.collect::<Result<Vec<_>, _>>()?;
+    // A key that only one course frees was fixed for the entries of the others.
     // Entries may differ in a key that the rules of a course free, if all of them played by such rules.
     let of_courses =
         settings[0].plan().free.iter().filter(|key| settings.iter().all(|it| it.plan().free.contains(key)));
@@ -233,6 +234,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             queries: queries_of(entry),
             failures: failures_of(entry),
             table: entry.table.path.clone(),
+            // Runs go in the order of goodness, so that a reader finds the best and the worst run of an entry to play.
             run_numbers: best_first(entry, &numbers, better),
             worst_runs: worst_runs(entry, &numbers, better),
             ..RankedEntry::default()
@@ -325,11 +327,14 @@ fn numbers(
     });
     let mut numbers: Vec<Vec<f64>> = numbers.collect();
     let finite = || numbers.iter().flatten().copied().filter(|number| !number.is_nan());
+    // Where every run failed, all entries tie at the worst value; where runs finished without one, the metric is the wrong one.
     if finite().next().is_none() && rows.iter().flatten().any(Option::is_some) {
         return Err(RankingError::NoValues { metric: metric.name.to_string() });
     }
+    // The worst answer is known without data, so a failed run is worse than one that answered well in any case.
     let worst = match (&metric.kind, better) {
         (MetricKind::Answer { .. }, Better::Lower) => 1.0,
+        // It is at most 0: with a worst value above it, an entry that fails everywhere could tie with one that scores little.
         (_, Better::Higher) => finite().fold(0.0, f64::min),
         (_, Better::Lower) => finite().fold(0.0, f64::max),
     };
@@ -374,6 +379,7 @@ pub(crate) fn ranked(
     basis: RankBasis<'_>,
 ) -> (Vec<RankedEntry>, Vec<RankedPair>) {
     let better = basis.better;
+    // Means of entries that a rule stopped early are of easier or harder seeds than those of the others; they follow below.
     for RankInput { entry, numbers } in contenders.iter_mut().filter(|it| it.has_all_runs()) {
         entry.mean = Series::from_values(numbers).mean().expect("every entry has runs");
     }
@@ -381,6 +387,7 @@ pub(crate) fn ranked(
     contenders.sort_by(|one, other| {
         let (one, other) = (&one.entry, &other.entry);
         let by_mean = better.best_first(one.mean, other.mean);
+        // Equal means go by failed runs and then by name, so the order of the arguments does not matter.
         by_mean.then_with(|| one.failed.cmp(&other.failed)).then_with(|| one.name.cmp(&other.name))
     });
     let pairs = pairs(&contenders, runs, by, &basis);
@@ -418,6 +425,7 @@ fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, basis: &
     let count = contenders.len();
     let places: Vec<[usize; 2]> =
         (0..count).flat_map(|first| (first + 1..count).map(move |second| [first, second])).collect();
+    // 100 entries have 4950 pairs, each with its own bootstrap; they are collected in order, so that threads change nothing.
     let contrasts = places.par_iter().map(|places| {
         let [ours, theirs] = places.map(|place| &contenders[place].numbers);
         let numbers = ours.iter().zip(theirs);
@@ -426,6 +434,7 @@ fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, basis: &
             stratum,
             numbers: [ours, theirs],
         });
+        // Runs that a stopped entry did not play are NaN, and are no pairs.
         let pairs = pairs.filter(|pair| !pair.numbers.iter().any(|number| number.is_nan())).collect();
         let found = Contrast::from_numbers(metric, pairs, by.clone()).expect("every entry has runs");
         match counts {
@@ -435,6 +444,7 @@ fn pairs(contenders: &[RankInput], runs: &[RunKey], by: Option<String>, basis: &
     });
     let contrasts: Vec<Contrast> = contrasts.collect();
     let is_fixed = counts == SampleSize::Fixed;
+    // A pair that is equal in all runs has no p-value, but counts among the tests that Holm's method adjusts for.
     let p_values = adjusted(contrasts.iter().map(|contrast| is_fixed.then(|| contrast.p_value.unwrap_or(1.0))));
     let pairs = places.into_iter().zip(contrasts).zip(p_values);
     pairs

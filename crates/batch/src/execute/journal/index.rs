@@ -107,7 +107,9 @@ impl JournalIndex {
             // A run may be there twice, as two processes without locks may have worked on it.
             match index.place_of(entry.label.run).map_err(damaged)? {
                 LineRole::Free(place) => {
+                    // Offsets and not rows are kept, as the rows of a million runs would not fit into memory.
                     index.add(place, entry.status, offset, &lines.line);
+                    // Whether a run must have a recording follows from its outcome, which only its line has.
                     index.recorded.extend(entry.is_recorded(plan.record).then_some(entry.label.run));
                     if entry.status != Status::Done {
                         let variant = plan.place(entry.label.run).variant as u64;
@@ -356,7 +358,9 @@ impl<'a> Lines<'a> {
         let bytes = read.map_err(|source| JournalError::unreadable(self.path, source))? as u64;
         let start = self.start;
         // Only a last line may lack its end: a process was killed while it wrote.
+        // A torn line is no damage: it is dropped and its run is made again.
         if self.line.pop() != Some(b'\n') {
+            // A line that fills the whole bound is not torn but no line of a journal at all.
             if bytes == MAX_LINE_BYTES {
                 let reason = format!("it has more than {} MB", MAX_LINE_BYTES >> 20);
                 return Err(JournalError::Damaged { path: self.path.to_owned(), line: start.number + 1, reason });

@@ -70,6 +70,7 @@ impl LockedJournal {
         let sha256 = plan.content_sha256();
         // Read under the lock, so that nobody adds lines meanwhile.
         let mut index = JournalIndex::read(&self.path, &self.file, plan, slice)?;
+        // The next line would be appended to the torn one, and both would be lost.
         drop_torn_line(&index, &self.path, &self.file)?;
         let Self { mut path, mut file, sync_every, local_folder } = self;
         let mut home = None;
@@ -82,8 +83,10 @@ impl LockedJournal {
             // A copy that an earlier process left may hold runs that the journal lacks.
             index = JournalIndex::read(&local_path, &local, plan, slice)?;
             drop_torn_line(&index, &local_path, &local)?;
+            // The length is noted so that lines another process appends meanwhile are found before both are mixed.
             let end = file.metadata().map_err(|source| BatchError::unwritable(&path, source))?.len();
             home = Some(FinalJournal { writer: writer_of(disk, &path, &file)?, path, file, end });
+            // The report of a torn line is about the journal, while the index is now that of the copy.
             index.note_torn(was_torn);
             (path, file) = (local_path, local);
         }

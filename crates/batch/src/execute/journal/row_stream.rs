@@ -55,6 +55,7 @@ impl RowStream {
     pub fn open(folder: &OutputFolder, slice: Slice, budget: StreamBudget<'_>) -> Result<Self, BatchError> {
         let path = folder.journal(slice);
         let lock = folder.keeping().lock;
+        // A slice without a journal is no fault of the disk: nobody has begun it.
         let file = open_to_read(&path, lock).map_err(|error| match error {
             JournalError::Unreadable { source, .. } if source.kind() == ErrorKind::NotFound => {
                 BatchError::SliceNotStarted { path: folder.path().to_owned(), slice }
@@ -79,6 +80,7 @@ impl RowStream {
         };
         let mut lines = Lines::from(&stream.path, &file, stream.next)?;
         if lines.next()?.is_some() {
+            // A journal of another plan is refused before its rows are mixed into this batch's table.
             check_head(&stream.path, &lines.line, &stream.head)?;
             stream.next = lines.start;
         }
@@ -109,6 +111,7 @@ impl RowStream {
             return Err(JournalError::Changed { path: self.path.clone(), change }.into());
         }
         let count = self.offsets.len() as u64;
+        // The last range may reach beyond the end, as all slices are read in steps of the same size.
         let places = places.start..places.end.min(count);
         let mut rows: Vec<Option<RunRow>> = Vec::new();
         // Rows that were passed on the way to earlier ones.
@@ -123,6 +126,7 @@ impl RowStream {
             let Some(LineStart { number, offset }) = lines.next()? else { break };
             self.next = lines.start;
             let damaged = |reason| JournalError::Damaged { path: path.clone(), line: number + 1, reason };
+            // A repeated line was compared with the first one in `meet`, and has no place of its own.
             let Some(place) = self.meet(&lines.line, offset).map_err(damaged)? else { continue };
             if places.contains(&place) {
                 rows[in_memory(place - places.start)] = Some(decode(&lines.line).map_err(damaged)?);
@@ -156,6 +160,7 @@ impl RowStream {
             }
             first => {
                 expect_same_row(&self.path, *first, line)?;
+                // They are counted and reported: two processes at one slice are a waste that the user should know of.
                 self.repeated += 1;
                 Ok(None)
             }

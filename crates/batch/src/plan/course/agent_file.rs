@@ -79,6 +79,7 @@ impl AgentFile {
     }
 
     fn new(path: &Path, text: String, mut table: Table) -> Result<Self, CourseError> {
+        // Swapping the two files is the usual slip, and without this check the error would be about a key.
         if table.get("free").is_some_and(TomlValue::is_array) {
             return Err(fault(path, None, "it is a rules file; expected an entry"));
         }
@@ -109,6 +110,7 @@ impl AgentFile {
         }
         let mut changes = Vec::new();
         let mut faults = Vec::new();
+        // All faults are collected, so that an author mends a file in one go.
         for leaf in found {
             let line = leaf.line_in(&self.text);
             match change(&leaf, course) {
@@ -120,6 +122,7 @@ impl AgentFile {
         if !faults.is_empty() {
             return Err(faults);
         }
+        // Programs are completed only now, so the faults above are about what is written in the file.
         changes.extend(self.changes_of_programs(&course.limits).map_err(|fault| vec![fault])?);
         Ok(changes)
     }
@@ -142,11 +145,13 @@ impl AgentFile {
                     return Err(fault(&self.path, Some(line), &message));
                 };
                 let folder = agent_folder.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
+                // The path is absolute, as a batch may be resumed from another working directory.
                 let folder = fs::canonicalize(&folder).map_err(|error| {
                     fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
                 })?;
                 let folder = TomlValue::String(folder.to_string_lossy().into_owned());
                 changes.push(CourseChange { option: format!("{key}.folder={folder}"), line });
+                // What the file itself sets was checked against the limit in `change`, and stays.
                 for limit in limits.configured().into_iter().filter(|limit| !table.contains_key(limit.key)) {
                     changes.push(CourseChange { option: format!("{key}.{}={}", limit.key, limit.value), line });
                 }
@@ -169,6 +174,7 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
         let kind = &leaf.keys[0];
         return Err(format!("`{written}` is a list of tables; expected a table [{kind}], which applies to all agents"));
     }
+    // Keys that are not free are refused one by one, so nothing that the rules fix can be changed by accident.
     if !free.has(&steps) {
         if let Some(unknown) = unknown_key(leaf, course) {
             return Err(unknown);
@@ -183,6 +189,7 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
     };
     let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
     match steps.last() {
+        // A process that is kept between runs could carry what it learned from one seed to the next.
         Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
             return Err(format!("`{written}` is {}; in a course every run has its own process", leaf.value));
         }
@@ -192,6 +199,7 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
             let limit = course.limits.configured().into_iter().find(|limit| limit.key == *last);
             if let Some(limit) = limit {
                 let requested = leaf.value.as_float().or_else(|| leaf.value.as_integer().map(|whole| whole as f64));
+                // A limit may be stricter than the rules ask for, but not more generous.
                 if !requested.is_some_and(|requested| limit.admits(requested)) {
                     let bound = if limit.is_most { "at most" } else { "at least" };
                     let requested = &leaf.value;

@@ -139,6 +139,7 @@ impl CourseRequest {
                 let agent = read(path).map_err(|error| vec![error])?;
                 let name = agent.card.as_ref().map_or(name, |card| card.name.clone());
                 let variants = course.conditions.iter().zip(&mut shared).map(|(condition, shared)| {
+                    // The whole scenario is built, as some values are valid only together with others.
                     let variant = course.variant(&agent, &name, condition)?;
                     let admitted = shared.admit(course, &variant, name.clone());
                     admitted.map_err(|message| vec![fault(path, None, &message)])?;
@@ -154,12 +155,15 @@ impl CourseRequest {
                 Err(faults) => left_out.extend(faults),
             }
         }
+        // Agents with faults are skipped only if that is asked for: a contest should not lose an entry silently.
         if variants.is_empty() || !self.skips_refused && !left_out.is_empty() {
             return Err(CourseRefusal::Agents(left_out));
         }
+        // The product takes 128 bits: a range of seeds may reach to 2^64, and the variants would make it overflow.
         let count = u128::from(seeds.count()) * variants.len() as u128;
         let refused = match () {
             () if count > MAX_RUNS.into() => Some(RequestError::TooManyRuns { count }),
+            // A larger number needs consent, since a mistyped range is easily a million runs.
             () if count > RUNS_WITHOUT_FORCE.into() && !force => Some(RequestError::ManyRuns { count }),
             () if bytes + seeds.to_string().len() as u64 > MAX_PLAN_BYTES => Some(RequestError::TooLarge),
             () => None,
@@ -232,12 +236,15 @@ impl SharedRules {
         let freed: Vec<&str> = course.free_keys.iter().map(String::as_str).collect();
         let freedom = FreeParameters::parse(&freed).map_err(|error| error.to_string())?;
         let scenario = serde_json::to_value(&variant.scenario).expect("scenarios hold names, numbers and lists only");
+        // See `change`: rules that share processes between runs would do the same.
         if let Some(table) = kept_program(&scenario) {
             return Err(format!("{rules} sets `{table}.reuse` to true; in a course every run has its own process"));
         }
         let ours = rules_of(scenario, &freedom.keys);
+        // The first entry is the reference, so that the error names two entries and not an abstract rule.
         let (first, theirs) = self.0.get_or_insert_with(|| (name, ours.clone()));
         let Some(difference) = value_differences(theirs, &ours).into_iter().next() else { return Ok(()) };
+        // Numbers of agents are left out: the difference is one of rules, whichever truck shows it first.
         let steps: Vec<&str> = difference.key.split('.').filter(|step| step.parse::<usize>().is_err()).collect();
         let [theirs, ours] = difference.values.map(|value| value.map_or("nothing".into(), |value| value.to_string()));
         Err(format!(

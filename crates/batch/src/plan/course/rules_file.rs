@@ -81,12 +81,14 @@ impl ProgramLimit {
 impl ProgramLimits {
     /// The limits that are given; where CPU time is limited, wall time is, at ten times it.
     pub fn configured(&self) -> Vec<ProgramLimit> {
+        // Wall time is bounded too, as a program that sleeps takes no CPU time and would never be stopped.
         let wall = self.query_cpu_s.map(|cpu_s| (WALL_OF_CPU * cpu_s).min(LONGEST_WALL_S));
         let limits = [
             ("start_limit_s", self.start_limit_s, true),
             ("query_cpu_s", self.query_cpu_s, true),
             ("query_limit_s", self.query_limit_s.or(wall), true),
             ("memory_limit_mb", self.memory_limit_mb, true),
+            // A price is a lower bound: who pays less for planning has an advantage.
             ("seconds_per_expansion", self.seconds_per_expansion, false),
             ("expansions_per_query", self.expansions_per_query, false),
             ("restarts", self.restarts, true),
@@ -154,6 +156,7 @@ impl Course {
         }
         let free = FreeKeys::parse(&file.free).map_err(|error| at("free", &error.to_string()))?;
         for limit in file.limits.configured() {
+            // Half a restart and half an expansion mean nothing.
             let is_whole = limit.value.fract() == 0.0
                 || !["memory_limit_mb", "restarts", "expansions_per_query", "query_instructions", "start_instructions"]
                     .contains(&limit.key);
@@ -185,6 +188,7 @@ impl Course {
             let key = leaf
                 .key()
                 .ok_or_else(|| at(&line, &format!("`{}` is not a key of a scenario", leaf.keys.join("."))))?;
+            // An agent's value would silently replace that of the rules.
             if is_explicit && frees_within(&free, leaf) {
                 let message = format!("`{key}` is both set by [{table}] and free; expected one of them");
                 return Err(at(&line, &message));
@@ -206,6 +210,7 @@ impl Course {
             let message = format!("{} conditions are too many; expected at most {MAX_CONDITIONS}", conditions.len());
             return Err(at("conditions", &message));
         }
+        // There is one condition without a name, so courses with and without conditions take the same path.
         if conditions.is_empty() {
             conditions.push(Condition::default());
         }
@@ -222,6 +227,7 @@ impl Course {
             base,
             seeds,
         };
+        // The rules are loaded now, so a fault of theirs is reported as theirs and not as every agent's.
         let scenario = course.scenario(&course.changes).map_err(|error| {
             let changed = course.changes.iter().zip(&rules);
             let key = changed
@@ -231,6 +237,7 @@ impl Course {
             let line = key.map(|key| FieldPath::parse(&format!("scenario.{key}")).line_in(text));
             fault(path, line, &message_of(&error))
         })?;
+        // Each condition is loaded too: it may contradict the scenario only together with its other values.
         for Condition { name, changes } in &course.conditions {
             let changes = [&course.changes[..], changes].concat();
             course.scenario(&changes).map_err(|error| at(&format!("conditions.{name}"), &message_of(&error)))?;
@@ -240,6 +247,7 @@ impl Course {
         if let Some(min) = course.limits.seconds_per_expansion
             && charged.clone().any(|charge| charge < min)
         {
+            // The highest price of the trucks holds for all, so that no table of the scenario becomes cheaper by the limit.
             let price = charged.fold(min, f64::max);
             course.changes.push(format!("unimog.seconds_per_expansion={price}"));
             course
@@ -283,6 +291,7 @@ impl Course {
 fn frees_within(free: &FreeKeys, leaf: &Leaf) -> bool {
     fn within(free: &FreeKeys, steps: &mut Vec<String>, value: &TomlValue) -> bool {
         let path: Vec<&str> = steps.iter().map(String::as_str).collect();
+        // This comes before looking inside: a free table frees all that is below it.
         if free.has(&path) {
             return true;
         }
@@ -311,6 +320,7 @@ fn scenario_of(
     path: &Path,
     at: &dyn Fn(&str, &str) -> CourseError,
 ) -> Result<(ScenarioText, Vec<(Leaf, bool)>), CourseError> {
+    // Paths of a file are from its folder, wherever the program is started.
     if let Some(TomlValue::String(map)) = table.get_mut("field").and_then(|field| field.get_mut("map")) {
         *map = folder.join(&*map).to_string_lossy().into_owned();
     }
@@ -325,6 +335,7 @@ fn scenario_of(
             let base = open(USUAL_SCENARIO)?;
             let replaced: Table = toml::from_str(&base.text).expect("a built-in scenario is TOML");
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            // Without a name of its own it would be called `contest` in every table.
             table.entry("name").or_insert(TomlValue::String(stem));
             let emptied =
                 replaced.into_iter().filter(|(key, _)| !table.contains_key(key)).filter_map(|(key, value)| {

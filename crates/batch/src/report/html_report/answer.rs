@@ -28,6 +28,7 @@ pub struct ReportAnswer {
 impl ReportAnswer {
     pub fn new(plan: &BatchPlan, collected: &Collected) -> Self {
         let variants = &collected.report.variants;
+        // A single variant has nothing to be compared with, so it is described.
         if let ([variant], [report], [values]) = (&plan.variants[..], &variants[..], &collected.variants[..]) {
             let sentence = of_one(&planner_of(&variant.scenario), values, &report.tally);
             return Self { sentence, more: Vec::new() };
@@ -61,16 +62,19 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
     };
     let ending = format!("in {runs}; {}{rest}.", stuck_text(tally.stuck_runs, tally.done));
     if tally.done == 0 {
+        // Without a finished run every mean below would be of nothing.
         return format!("No run finished{rest}.");
     }
     let shares = values.numbers(&SAVED);
     let bushes = values.numbers(&BUSHES);
+    // Fields without bushes have no share that was saved, but may have burned area.
     let Some(share) = mean_of(&shares, SAVED.range(), values.validity) else {
         let Some(area) = values.mean(&BURNED_AREA) else { return format!("{who}: {ending}") };
         let decimals = decimals(&area, 1.0);
         let interval = interval_text(&area, 1.0, decimals);
         return format!("{who}: {} ha burned per run{interval} {ending}", rounded(area.value, decimals));
     };
+    // Saved bushes are multiplied run by run: the product of two means is not the mean of the products.
     let saved: Vec<f64> = values
         .of_seeds(&SAVED)
         .iter()
@@ -79,6 +83,7 @@ fn of_one(planner: &str, values: &Values, tally: &Tally) -> String {
         .filter(|number| number.is_finite())
         .collect();
     let max = bushes.iter().copied().fold(0.0, f64::max);
+    // No more bushes can be saved than a field has, so the interval ends there.
     let Some(saved) = mean_of(&saved, (0.0, max), values.validity) else { return format!("{who}: {ending}") };
     let all = mean_of(&bushes, (0.0, f64::INFINITY), values.validity).map_or(0.0, |mean| mean.value);
     let all = if all == max { short(all) } else { format!("{} (on average)", rounded(all, 1)) };
@@ -117,6 +122,7 @@ fn compared(compared: &Compared) -> String {
         several => format!(", averaged over {several} values of {by}"),
     };
     let amount = amount(best_mean, quantity.unit_in_text(), quantity.factor_in_text());
+    // Equal means alone do not say that runs are equal, so the test must not find a difference either.
     if others.iter().all(|other| compared.better_by(other).value == 0.0 && !compared.is_significant(other)) {
         let all = if others.len() > 1 { format!("all {count} {kind}") } else { format!("both {kind}") };
         let [verb, of_what] = aim.equal;
@@ -133,6 +139,7 @@ fn compared(compared: &Compared) -> String {
         next.name,
         interval_text(&better_by, scale, decimals)
     );
+    // Who is not significantly worse is named, as a winner by chance would otherwise be taken for one by merit.
     let alike: Vec<&str> =
         others.iter().filter(|other| !compared.is_significant(other)).map(|it| it.name.as_str()).collect();
     let verdict = match &alike[..] {
@@ -149,6 +156,7 @@ fn compared(compared: &Compared) -> String {
 
 /// Says where the difference from another is, if it is not the same in all strata, or not significant in all.
 fn dependence(compared: &Compared, other: &Other) -> Option<String> {
+    // A sentence for each stratum is worth its length only where the mean over them misleads.
     if !other.varies_by_stratum() {
         return None;
     }

@@ -66,6 +66,7 @@ impl Collected {
                 values.add(&row, &kept);
                 if row.is_done() {
                     let seconds = STUCK_S.iter().filter_map(|&column| row.number(column)).sum::<f64>();
+                    // All are kept until they are sorted, as the run that was stuck the longest may come last.
                     stuck.extend((seconds > 0.0).then_some((number, seconds)));
                 } else if collected.failures.len() < LISTED_RUNS {
                     let reason = format!("{}: {}", row.status(), row.message());
@@ -75,6 +76,7 @@ impl Collected {
             collected.report.variants.push(report);
             collected.variants.push(values);
         }
+        // Ties go to the first run of the plan, so that the list does not depend on the sort.
         stuck.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         collected.stuck_runs = stuck.len();
         collected.stuck = stuck

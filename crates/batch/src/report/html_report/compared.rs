@@ -74,6 +74,7 @@ impl Compared {
         let planner_dimensions = planners.clone().unwrap_or_else(|| labels.besides(&[]));
         let rest = planners.as_ref().map_or_else(Vec::new, |planners| labels.besides(planners));
         let strata = labels.distinct(&rest);
+        // On fields with different numbers of bushes, a difference in bushes is no measure of the planner.
         let is_in_bushes = *quantity == *SAVED && are_on_equal_fields(&labels, &rest, variants);
         let numbers = |variant: usize| {
             let of_seeds = variants[variant].of_seeds(quantity);
@@ -81,6 +82,7 @@ impl Compared {
             of_seeds
                 .iter()
                 .zip(bushes)
+                // The number is rounded, as a share times a number of bushes is a whole number but for its last bits.
                 .map(move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number })
         };
         let names = labels.distinct(&planner_dimensions);
@@ -94,8 +96,10 @@ impl Compared {
                     })
                 })
                 .collect();
+            // All go stratum by stratum in the same order, so equal places are equal conditions and seeds.
             let numbers: Vec<f64> = of_strata.iter().flat_map(|&variant| numbers(variant)).collect();
             let has_numbers = numbers.iter().any(|number| number.is_finite());
+            // A planner whose runs all failed has no mean, and must not appear as the worst by a number.
             has_numbers.then_some(VariantGroup { name, variants: of_strata, numbers })
         });
         let mut groups: Vec<VariantGroup> = groups.collect();
@@ -127,6 +131,7 @@ impl Compared {
             Contrast::from_numbers(&Metric::from_name(metric), pairs, (strata.len() > 1).then(|| by.clone()))
         });
         let contrasts: Vec<_> = contrasts.collect();
+        // The tests are judged together, as all of them stand in one chart.
         let mut judged = judge(contrasts.iter().flatten().cloned().collect()).into_iter();
         let others = groups.into_iter().zip(contrasts).map(|(VariantGroup { name, variants, .. }, contrast)| Other {
             name,

@@ -54,6 +54,7 @@ fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
     let in_panels: Vec<usize> = all.iter().copied().filter(|index| !in_series.contains(index)).collect();
     let names = labels.distinct(&in_series);
     let mut panels: Vec<Facet> = Vec::new();
+    // The variants are then divided in their order, as many to a panel as there are styles to distinguish them.
     if in_series.is_empty() && !all.is_empty() {
         // Nothing takes few enough values.
         for (index, name) in labels.distinct(&all).into_iter().enumerate() {
@@ -77,6 +78,7 @@ fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
         match series.iter_mut().find(|series| series.name == name) {
             Some(series) => series.variants.push(variant),
             None => {
+                // The style goes by the name and not by the panel, so that a planner has one colour in all of them.
                 let style =
                     STYLES[names.iter().position(|other_name| *other_name == name).expect("all names are known")];
                 series.push(FacetSeries { name, style, variants: vec![variant] });

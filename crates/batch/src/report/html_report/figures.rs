@@ -68,6 +68,7 @@ impl FigureSource<'_> {
         let Self { plan, collected, states } = *self;
         let mut figures = Figures::default();
         let panels = variant_facets(plan);
+        // Columns that were requested are what the reader looks for; the answer is about others.
         if plan.variants.len() > 1 && selected.requested().is_empty() {
             self.add_answer(&mut figures, &panels, width);
         }
@@ -82,6 +83,7 @@ impl FigureSource<'_> {
                         let file = format!("distribution-{}", quantity.name);
                         figures.add(Section::Distributions, chart.draw(width), ChartData::new(&file, chart.rows()));
                     }
+                    // A distribution that is one bar says in a sentence what it would say in a chart.
                     Err(sentence) => figures.constant.push(sentence),
                 }
             }
@@ -109,6 +111,7 @@ impl FigureSource<'_> {
             if figures.admits("the answer", chart.panels.len()) {
                 figures.add(Section::Answer, chart.draw(width), ChartData::new("answer", chart.rows()));
             }
+        // Without a key that is swept over numbers there is no curve, and differences are shown one by one.
         } else if let Some(compared) = compared {
             let chart = compared.forest();
             figures.add(Section::Answer, vec![chart.draw(width)], ChartData::new("answer", chart.rows()));
@@ -160,10 +163,12 @@ impl Figures {
             .enumerate()
             .map(|(variant, curves)| {
                 let label = labels.label(variant, &all);
+                // Panels of variants without a run stay, so no variant is missing from the page without a word.
                 let name = if curves.is_there() { label } else { format!("{label} (no finished run)") };
                 CurvePanel { name, curves: state_curves(curves, &shown) }
             })
             .collect();
+        // A page has room for as many charts as there are styles to distinguish them; beyond that, panels save room.
         if panels.len() <= STYLES.len() {
             for (index, panel) in panels.into_iter().enumerate() {
                 let title = format!(": {}", panel.name);
@@ -220,6 +225,7 @@ impl MeansChart {
     fn bars(&self, panels: &[Facet], values: &[Values]) -> BarChart {
         let quantities = self.quantities.iter().copied().filter(|quantity| {
             let mut series = panels.iter().flat_map(|panel| &panel.series);
+            // Most batches have no custom planner, and their bars would be empty.
             !is_of_custom_planners(quantity)
                 || series.any(|it| values[it.variants[0]].mean(quantity).is_some_and(|mean| mean.value > 0.0))
         });
@@ -280,6 +286,7 @@ fn distribution(quantity: &'static Metric, panels: &[Facet], values: &[Values]) 
     let strips: Vec<&Strip> = panels.iter().flat_map(|panel| &panel.strips).collect();
     let commonest = strips.iter().map(|strip| commonest(&strip.values)).collect::<Vec<_>>();
     let say_nothing = strips
+        // A chart is left out only if no variant needs it, since variants are compared in one chart.
         .iter()
         .zip(&commonest)
         .all(|(strip, (_, count))| strip.values.is_empty() || *count as f64 >= ALMOST_ALL * strip.values.len() as f64);
@@ -353,6 +360,7 @@ fn over_time(of: &str, mut panels: Vec<CurvePanel>) -> CurveChart {
     let highest = ends.fold(0.0, f64::max);
     let is_dwarfed = highest > 0.0 && highest <= MIN_OF_HEIGHT;
     let has_left_out = is_dwarfed && panels.iter().flat_map(|panel| &panel.curves).any(|curve| curve.name == intact);
+    // Where hardly anything burns, the curve of intact bushes near 1 leaves all others flat at 0.
     if has_left_out {
         panels.iter_mut().for_each(|panel| panel.curves.retain(|curve| curve.name != intact));
     }

@@ -44,6 +44,7 @@ impl Labels {
         ];
         let dimensions = all.into_iter().chain(swept).filter(Dimension::differs).collect();
         let mut labels = Self { scenario: plan.variants[0].scenario.name.clone(), dimensions };
+        // Two variants with equal labels would be one series in every chart.
         labels.tell_all_apart(plan.variants.len());
         labels
     }

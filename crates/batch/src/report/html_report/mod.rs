@@ -122,12 +122,14 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
     let figures = source.draw(quantities, SCREEN_WIDTH);
     let charts_folder = folder.join(CHARTS_FOLDER);
     fs::create_dir_all(&charts_folder).map_err(|source| unwritable(&charts_folder, source))?;
+    // Charts come first: a page that an interruption leaves behind must not link to files that do not exist.
     for figure in &figures.drawn {
         write_chart(&charts_folder, &figure.file, &figure.drawing)?;
     }
     for data in &figures.data {
         write_chart_data(&charts_folder, data)?;
     }
+    // Charts are drawn again at the width of a column of print: scaled down, letters would be too small to read.
     if paper.pdf || paper.pgf {
         source
             .draw(quantities, paper.size.units())
@@ -136,11 +138,13 @@ pub fn write_report(batch: &FinishedBatch, parts: &ReportParts<'_>) -> Result<Wr
             .try_for_each(|figure| write_paper_chart(&charts_folder, &figure.file, &figure.drawing, paper))?;
     }
     let page = folder.join(REPORT_FILE);
+    // A phone shows its own drawings, as text of a wide chart that is scaled to 88 mm cannot be read.
     let narrow = source.draw(quantities, PHONE.units());
     let contents = Page { batch, collected: &collected, figures: &figures, narrow: &narrow, parts, origin: &origin };
     write_whole(&page, contents.to_document().to_html().as_bytes())?;
     let Figures { drawn, refused, .. } = figures;
     let texts = drawn.iter().flat_map(|figure| figure.drawing.texts());
+    // The font draws letters that it lacks as boxes, which the caller reports.
     let unknown: BTreeSet<char> = texts.flat_map(unknown_letters).collect();
     Ok(WrittenReport {
         page,

@@ -52,10 +52,12 @@ pub fn notable_runs(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportErro
     }
     burned.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
     let Some(last) = burned.len().checked_sub(1) else { return Ok(Vec::new()) };
+    // Several runs may share the largest share of burned bushes, and ties go to the first.
     let max = burned.partition_point(|run| run.0 < burned[last].0);
     let mut notable: Vec<NotableRun> = Vec::new();
     for (word, place) in RANKS.into_iter().zip([0, max, last / 2]) {
         let (burned_ratio, number) = burned[place];
+        // In a batch of one run it is the best, the worst and the median, and is listed as the best.
         if notable.iter().all(|run| run.number != number) {
             notable.push(NotableRun { word, number, burned_ratio });
         }

@@ -43,8 +43,10 @@ fn read_all(file: &ParquetReader, plan: &BatchPlan) -> Result<Vec<StateCurves>, 
     let mut counts = Counts::default();
     for group in file.groups() {
         for row in rows_of(&group?)? {
+            // The file may have been written by another program, so its run numbers are not trusted.
             let place = (1..=plan.count()).contains(&row.run).then(|| plan.place(row.run));
             let variant = place.map_or(plan.variants.len(), |place| place.variant);
+            // Variants without a finished run have no rows, and still need their place.
             while curves.len() < variant.min(plan.variants.len()) {
                 curves.push(mem::take(&mut counts).curves());
             }
@@ -101,6 +103,7 @@ impl Counts {
             self.times_s.push(row.t_s);
             self.shares.push(Default::default());
         }
+        // Runs of one variant are counted at the same times; a mean over other times would mean nothing.
         if self.times_s[self.step] != row.t_s || self.step > 0 && self.times_s[self.step - 1] >= row.t_s {
             return Err(format!("run {} has {} s where another time is expected", row.run, row.t_s));
         }

@@ -57,6 +57,7 @@ impl Page<'_> {
     pub fn to_document(&self) -> Document {
         let Self { batch, collected, figures, narrow, parts, origin } = *self;
         let plan = batch.plan();
+        // The name of `.` is that of the folder that it stands for.
         let name = batch.folder().canonicalize().ok();
         let name = name.as_deref().unwrap_or(batch.folder()).file_name();
         let title = format!("Batch {}", name.map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
@@ -83,6 +84,7 @@ impl Page<'_> {
         document.add_list(more);
         document = document.with(charts.lead()).with([Block::Contents]);
         for (heading, blocks) in sections {
+            // A heading with nothing below it would look like a part that is missing.
             if !blocks.is_empty() {
                 document = document.with([Block::Heading(heading.into())]).with(blocks);
             }

@@ -54,6 +54,7 @@ pub fn main_differences(plan: &BatchPlan, compared: &Compared) -> Option<CurveCh
     };
     let panel =
         |panel: Facet| CurvePanel { name: panel.name, curves: panel.series.into_iter().filter_map(curve).collect() };
+    // Points go by value: a sweep may list its values in any order, and a curve must not run back.
     let panels = facets_over(plan, key).into_iter().map(panel).collect();
     let name = &plan.swept_keys[key];
     let titles = compared.titles();

@@ -68,6 +68,7 @@ impl ParquetFiles {
                 })
             })
         };
+        // Each file has its own buffers, so that three threads fill them without a lock.
         let (runs, (calls, states)) = rayon::join(add_runs, || rayon::join(add_calls, add_states));
         runs.and(calls).and(states)
     }
@@ -90,6 +91,7 @@ pub fn new_file(
     let mut columns = table.columns(&swept_columns(plan));
     let seed = columns.iter_mut().find(|column| column.name == "seed").expect("every run has a seed");
     seed.kind = Kind::holding_up_to(plan.seeds.iter().max().expect("a plan has seeds"));
+    // A build without a repository has no commit, and an empty text would look like one.
     let commit = COMMIT.map(|commit| ("commit", commit.to_owned()));
     let about = [
         ("program_version", PROGRAM_VERSION.to_owned()),

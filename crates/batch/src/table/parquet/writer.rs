@@ -88,6 +88,7 @@ impl ParquetWriter {
     ) -> Result<(), BatchError> {
         let mut begin = 0;
         while begin < rows {
+            // It takes no more rows than the group has room for: its buffers are all that the writer holds in memory.
             let end = rows.min(begin + self.rows_a_group - self.rows);
             let mut columns = self.columns.iter().zip(&mut self.buffers);
             for (value, (column, buffer)) in shared.clone().zip(columns.by_ref()) {
@@ -97,6 +98,7 @@ impl ParquetWriter {
             }
             for (number, (column, buffer)) in columns.enumerate() {
                 for row in begin..end {
+                    // Values go column by column, so each buffer is written in one go.
                     let value = value_of(row, number);
                     if !buffer.push(column, &value) {
                         return Err(refuse(&self.path, column, &value));
@@ -206,6 +208,7 @@ impl Buffer {
             (ColumnValues::Text(values), Value::Real(number)) => values.push(number.to_string().as_str().into()),
             _ => return false,
         }
+        // Levels say which rows have a value; the values themselves have no gaps.
         self.levels.push((!matches!(value, Value::Missing)).into());
         true
     }

@@ -103,6 +103,7 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
             WUMPUS_SPRITE.draw(canvas, Placement::turned(at, state.pose.heading, (length, length)));
         }
         Body::Truck(body) => {
+            // The steered wheels follow the curvature of the leg, as a state has none.
             let scale = f64::from(length) / body.length_m;
             let leg = pane.view.run.index().leg_at(index, pane.view.state.time);
             let leg = leg.map(|leg| leg.trajectory(pane.view.run.timeline()));
@@ -110,6 +111,7 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
             draw_truck(canvas, at, state.pose, &body, scale, curvature);
         }
     }
+    // In crowded runs `draw_labels` writes the numbers, where it finds room.
     if !pane.view.run.is_crowded() && is_one_of_many(pane, start.id) {
         draw_number(canvas, at, (length, unit), start.id);
     }

@@ -68,6 +68,7 @@ fn draw_bush_sprites(canvas: &mut Canvas, pane: &Pane, kinds: &[BushStateKind], 
     for (&cell, &kind) in pane.setting().bushes.iter().zip(kinds).rev() {
         let at = pane.cell_centre(cell);
         if pane.is_near(at, side) {
+            // The place of the cell decides, so a bush looks the same in every frame and in every run.
             let variant = scatter(cell) as usize % VARIANTS;
             let number = kind as usize * VARIANTS + variant;
             stamps.lay(canvas, at, number, |canvas, at, side| draw_bush(canvas, kind, variant, at, side));

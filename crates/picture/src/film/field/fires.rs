@@ -39,6 +39,7 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
     let state = pane.view.state;
     let mut ages = Vec::new();
     let shows_ages = pane.shows(Layer::Ages) && side >= MIN_AGE;
+    // Flames go from north to south: one in front hides what is behind it.
     for (&cell, bush) in pane.setting().bushes.iter().zip(&state.bushes).rev() {
         let BushState::Burning { since } = *bush else { continue };
         let at = pane.cell_centre(cell);
@@ -47,9 +48,11 @@ pub fn draw_flames(canvas: &mut Canvas, pane: &Pane, stamps: &mut Stamps) {
         }
         let age_s = state.time.since(since).as_seconds();
         // Neighbours flicker out of step, and half of them are mirrored.
+        // The cell decides and not chance, so a picture of one moment is always the same.
         let offset = scatter(cell) as usize;
         let frame = ((state.time.as_seconds() * FRAMES_PER_SECOND) as usize).wrapping_add(offset) % FRAMES;
         let is_mirrored = (offset / FRAMES).is_multiple_of(2);
+        // There are a few sizes only, so that each flame is drawn once and stamped from then on.
         let size = ((age_s / GROWS_FOR_S * (SIZES - 1) as f64) as usize).min(SIZES - 1);
         let grown = SMALLEST + (1.0 - SMALLEST) * size as f32 / (SIZES - 1) as f32;
         let number = BUSH_STAMPS + (frame * SIZES + size) * 2 + usize::from(is_mirrored);

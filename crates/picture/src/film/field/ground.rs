@@ -103,6 +103,7 @@ impl GroundView {
             if let burnings @ [first, ..] = ground.burnings_of(frame.cell(index)) {
                 view.ignited_s[index] = seconds(first.ignited);
                 view.ends_s[index] = seconds(first.ends);
+                // A cell that burned once and was left alone needs two numbers; only the others are looked up by time.
                 view.is_special[index] = burnings.len() > 1 || first.is_extinguished;
             }
         }
@@ -119,6 +120,7 @@ impl GroundView {
                 view.spotted.push((time, frame.centre(cell), frame.centre(from)));
             }
         }
+        // Facts on bushes and on ground come from two lists.
         view.spotted.sort_by_key(|&(time, ..)| time);
         Some(view)
     }
@@ -196,11 +198,13 @@ impl GroundView {
         for (_, label, lines) in lines.levels.iter().filter(|(level, ..)| *level <= now_s) {
             for line in lines {
                 let points: Vec<DVec2> = line.points.iter().map(place).collect();
+                // A dark line below a light one is seen on ground of any colour.
                 let edge = Pen { ink: Ink { colour: INK, opacity: 0.5 }, width: 2.6 * unit };
                 draw_visible_line(canvas, pane, &points, edge, None);
                 draw_visible_line(canvas, pane, &points, Pen::opaque(PAPER, 1.3 * unit), None);
             }
             let longest = lines.iter().max_by(|a, b| a.length().total_cmp(&b.length()));
+            // A label on a short line would hide it.
             let long = longest.filter(|line| pane.projection.length(line.length() * cell_m) > 90.0 * unit);
             let middle = long.map(|line| place(&line.points[line.points.len() / 2]).as_vec2());
             if let Some(at) = middle.filter(|at| pane.is_near((at.x, at.y), 0.0)) {
@@ -363,8 +367,10 @@ fn each_pixel(canvas: &mut Canvas, pane: &Pane, mut paint: impl FnMut(usize, &mu
     let (from, to) = pane.field_box();
     let within = |first: i32, last: i32, side: u32| first.max(0) as u32..(last.max(0) as u32).min(side);
     let middle = |x: u32, y: u32| pane.projection.world((f64::from(x) + 0.5, f64::from(y) + 0.5));
+    // The index is clamped, as the middle of the last pixel may lie on the border through rounding.
     let place = |at_m: f64, count: u16| ((at_m / frame.cell_m) as usize).min(usize::from(count) - 1);
     let columns = within(from.0, to.0, pane.size.0);
+    // Columns are computed once and not for each row, as no pixel's column depends on its row.
     let cols: Vec<usize> = columns.clone().map(|x| place(middle(x, 0).x, frame.cols)).collect();
     for y in within(from.1, to.1, pane.size.1) {
         let first = place(middle(0, y).y, frame.rows) * usize::from(frame.cols);

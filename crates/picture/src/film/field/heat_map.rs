@@ -84,6 +84,7 @@ impl<'a> HeatMap<'a> {
     fn draw_row(&self, canvas: &mut Canvas, pixel_row: usize, kinds: &[BushStateKind], shares: &mut [[u32; 4]]) {
         let top = pixel_row as i32 * PARTS;
         let count = self.rows.len() - 1;
+        // Only rows of bushes that the row of pixels touches are gone through, found by bisection.
         let first = self.rows[1..].partition_point(|&north| north >= top + PARTS);
         let end = self.rows[..count].partition_point(|&south| south > top);
         for row in first..end {

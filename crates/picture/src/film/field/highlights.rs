@@ -35,6 +35,7 @@ pub fn draw_differences(canvas: &mut Canvas, pane: &Pane) {
     };
     let width = (LINE * pane.cell_side()).max(MIN_LINE * pane.unit());
     let casing = (CASING * width).max(MIN_CASING * pane.unit());
+    // The dark casing of all sides comes first, or that of one side would cut into the colour of the next.
     for (from, to, colour) in [(-casing, width + casing, INK), (0.0, width, DIFFERENT)] {
         for &cell in &differing {
             for side in [(1, 0), (-1, 0), (0, 1), (0, -1)].into_iter().filter(|&side| is_outside(cell, side)) {

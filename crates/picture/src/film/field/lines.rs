@@ -31,6 +31,7 @@ pub fn draw_visible_line(canvas: &mut Canvas, pane: &Pane, line: &[DVec2], pen: 
             match dashes {
                 None => draw(first, last),
                 Some(dashes) => {
+                    // Dashes count from the beginning of the line and not of what is seen, or they would crawl as the view moves.
                     let from = dashes.offset + passed;
                     for (begins, ends) in dashes.between(from + first * length, from + last * length) {
                         draw((begins - from) / length, (ends - from) / length);
@@ -63,6 +64,7 @@ fn clip(from: DVec2, to: DVec2, (width, height): (u32, u32)) -> Option<(f64, f64
     let (mut first, mut last) = (0.0_f64, 1.0_f64);
     for (at, step, max) in [(from.x, to.x - from.x, max.x), (from.y, to.y - from.y, max.y)] {
         if step == 0.0 {
+            // A piece along an edge never crosses it, so it is inside or outside as a whole.
             if !(-BEYOND..=max).contains(&at) {
                 return None;
             }

@@ -141,6 +141,7 @@ impl FieldRenderer {
         let backdrop = self.backdrop.get(key.clone(), |_| draw_backdrop(pane, landscape, values, &searches));
         let kinds = pane.view.state.bushes.iter().copied().map(BushState::kind).collect();
         self.ground.change((key, kinds), |last, (key, kinds)| match last {
+            // Only heat maps can be redrawn in part, as sprites stick out into neighbouring rows.
             Some(((last, before), mut ground)) if pane.is_heat_map() && last == *key => {
                 HeatMap::new(pane).redraw(&mut ground, backdrop, [&before, kinds]);
                 ground
@@ -156,6 +157,7 @@ impl FieldRenderer {
     /// Draws what changes from frame to frame over what is kept.
     fn draw_view(&mut self, pane: &Pane) -> &Canvas {
         let ground = self.ground.last().expect("it was drawn just now");
+        // A window may have changed its size.
         self.sheet.take_if(|sheet| (sheet.width(), sheet.height()) != pane.size);
         let sheet = self.sheet.get_or_insert_with(|| ground.clone());
         sheet.copy_from(ground, (0, 0));
@@ -265,6 +267,7 @@ fn draw_grid_lines(canvas: &mut Canvas, pane: &Pane) {
     let colour = blend(FIELD, INK, 0.25);
     let ((left, top), (right, bottom)) = pane.field_box();
     let min = GRID_LINES / f64::from(pane.cell_side());
+    // The first line would lie on the border.
     for col in ticks::indices(frame.cols.into(), min).skip(1) {
         let ((x, _), _) = pane.projection.cell(frame, Cell { col: col as u16, row: 0 });
         canvas.fill_pixels((x, top), (x + 1, bottom), colour);

@@ -131,6 +131,7 @@ fn occupied(setting: &Setting) -> Grid<bool> {
 /// Exact metres to the nearest bush or the field's edge, at the vertices of a lattice; and its spacing.
 fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     let frame = &setting.frame;
+    // Samples are finer than cells on small fields, where a step between two values would be seen.
     let steps = (POINTS / usize::from(frame.cols.max(frame.rows))).clamp(1, MAX_STEPS);
     let step_m = frame.cell_m / steps as f64;
     let rows = usize::from(frame.rows) * steps + 1;
@@ -143,6 +144,7 @@ fn clearances(setting: &Setting) -> (Grid<f64>, f64) {
     });
     for row in 0..rows {
         for (col, value) in values.row_mut(row).iter_mut().enumerate() {
+            // The edge of the field blocks bodies as a bush does.
             let from_edge = row.min(rows - 1 - row).min(col).min(cols - 1 - col);
             *value = value.min(from_edge as f64 * step_m);
         }

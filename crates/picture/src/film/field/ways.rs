@@ -57,6 +57,7 @@ fn draw_driven(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     let width = WIDTH * pane.unit();
     let colour = agent_colour(pane.setting().agents[agent].id);
     let count = if pane.has_marks() { MARKED_FADING_STEPS } else { FADING_STEPS };
+    // The oldest comes first, so the freshest part lies on top where paths cross.
     for step in (0..count).rev() {
         let ago = |steps: u64| now.since(SimTime::from_nanos(FADES_IN.as_nanos() / count * steps));
         let (from, to) = (ago(step + 1), ago(step));
@@ -138,6 +139,7 @@ fn stretches(leg: &Trajectory, [from_m, to_m]: [f64; 2], pixels_per_metre: f64) 
         let last = (to_m - begins_m).min(length_m);
         if first < last {
             let is_reverse = segment.is_reverse();
+            // A change of direction begins a new stretch, as reverse has dashes of its own.
             if stretches.last().is_none_or(|stretch| stretch.is_reverse != is_reverse) {
                 let at = segment.pose_at(start, first.copysign(segment.length_m)).position();
                 stretches.push(Stretch { is_reverse, from_m: begins_m + first, points: vec![at] });

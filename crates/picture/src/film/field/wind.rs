@@ -28,6 +28,7 @@ pub fn draw_wind(canvas: &mut Canvas, pane: &Pane) {
     let speed = (wind.x * wind.x + wind.y * wind.y).sqrt();
     let unit = pane.unit();
     let [margin, padding, text, dial] = [MARGIN, PADDING, TEXT, DIAL].map(|length| length * unit);
+    // Below this the speed would be printed as 0.0, with a direction that means nothing.
     let is_calm = speed < 0.05;
     let lines = if is_calm {
         ["calm".to_owned(), String::new()]

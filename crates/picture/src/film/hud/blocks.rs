@@ -60,6 +60,7 @@ pub fn title_block(view: &HudView) -> PanelBlock {
     let mut lines: Vec<PanelLine> = lines.collect();
     let min = lines.len();
     let sentence = run_sentence(&view.runs[0].timeline().setting);
+    // Two runs by different rules have no common sentence.
     if view.runs.iter().all(|run| run_sentence(&run.timeline().setting) == sentence) {
         // Beside the names of two runs there is no room for the size of their field.
         let (deeds, _) = sentence.split_once(", on a field").unwrap_or((&sentence, ""));
@@ -204,6 +205,7 @@ pub fn scores_block(view: &HudView) -> Option<PanelBlock> {
     });
     let mut lines: Vec<PanelLine> = sides.collect();
     let is_contest = lines.len() == 2;
+    // Of two runs points stand in columns; a bar and a sentence are for one.
     if let (&[score], true) = (scores.as_slice(), is_contest) {
         lines.push(PanelLine { height: 1.2, marks: vec![LineMark::Bar(shares(score))] });
         lines.push(PanelLine::new(vec![LineMark::left(lead_text(score, is_over), TextFace::PLAIN)]));

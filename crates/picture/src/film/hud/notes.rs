@@ -79,6 +79,7 @@ pub fn draw_headline(pen: &mut TextPen, layout: &FrameLayout, view: &HudView) {
     }
     let sign = pen.length(1.5);
     let right = layout.width as f32 - pen.length(1.0);
+    // Notes go in the order of what matters during a fire, as the row is cut off where the room ends.
     for kind in [BushStateKind::Burning, BushStateKind::BurnedOut, BushStateKind::Extinguished, BushStateKind::Intact] {
         let counts: Vec<String> = view.counts.iter().map(|counts| counts.count(kind).to_string()).collect();
         let counts = counts.join(" : ");
@@ -112,6 +113,7 @@ pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout, has_ground: bool) {
     let height = HEADING + HELP_LINE * tables[0].len() as f32 + HELP_MARGIN;
     let sheet_width = layout.width as f32;
     let sheet_height = layout.height as f32;
+    // The help shrinks with the frame, since none of its lines may be left out.
     let text = pen.text.min(0.98 * sheet_width / width).min(0.98 * sheet_height / height);
     let mut pen = TextPen { sheet: &mut *pen.sheet, lettering: &mut *pen.lettering, signs: &mut *pen.signs, text };
     let width = pen.length(width);

@@ -67,6 +67,7 @@ impl TextPen<'_> {
     pub fn sign(&mut self, kind: BushStateKind, (x, y): Point, side: f32) {
         let sign = self.signs.get(kind, side);
         let half = 0.5 * sign.width() as f32;
+        // A sign that begins outside of the sheet is left out, since `copy_from` takes no negative place.
         if let (Ok(left), Ok(top)) = (u32::try_from(whole(x - half)), u32::try_from(whole(y - half))) {
             self.sheet.copy_from(sign, (left, top));
         }

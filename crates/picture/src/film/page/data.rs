@@ -277,6 +277,7 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
         let failure = stats.last_failure.map(|at| &timeline.events[at].fact);
         table.time_ns.push(nanos(time));
         table.activity.push(stats.activity as u8);
+        // None is -1, as a column of numbers packs better than one with gaps.
         table.goal.push(state.goal.map_or(-1, |goal| timeline.setting.frame.index(goal) as i64));
         table.plans.push(stats.plans.into());
         table.failures.push(stats.failures.into());
@@ -342,6 +343,7 @@ fn stop_table(run: &RunView, agent: usize) -> StopTable {
     let frame = run.timeline().setting.frame;
     let mut stops: Vec<SuppressionSpan> =
         run.index().changes_of_agent(agent).filter_map(|time| run.index().stop_at(agent, time)).collect();
+    // A stop goes on over several changes of its agent, each of which finds it.
     stops.dedup();
     StopTable {
         time_ns: time_differences(stops.iter().map(|stop| stop.since)),
@@ -363,6 +365,7 @@ fn change_table(run: &RunView, texts: &mut Texts) -> ChangeTable {
         table.to.push(state.kind() as u8);
         table.words.push(texts.place(change_text(&event.fact, since[bush].is_some())));
         table.burned.push(burned_for(event, since[bush]).map_or(-1, |text| texts.place(text) as i64));
+        // This comes only now, so `change_text` could see whether the bush had burned before this ignition.
         if let Fact::Fire(FireFact::Ignited { .. }) = event.fact {
             since[bush] = Some(event.time);
         }

@@ -150,6 +150,7 @@ impl GroundData {
         burnings.cell = differences(burnings.cell);
         burnings.ignited_ms = differences(burnings.ignited_ms);
         let mut wettings = WettingTable::default();
+        // Line is wet for good, and is in a table of its own.
         for wetting in index.wettings().iter().filter(|wetting| wetting.until < SimTime::MAX) {
             wettings.cell.push(frame.index(wetting.cell) as i64);
             wettings.from_ms.push(millis(wetting.from));

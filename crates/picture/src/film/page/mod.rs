@@ -141,6 +141,7 @@ impl<'a> PackedModule<'a> {
     /// Returns the module of a page that `play_page` made; `None` if there is none.
     pub fn from_page(page: &'a str) -> Option<Self> {
         let (_, rest) = page.split_once(&element_start(MODULE))?;
+        // Base 64 has no `<`, so the first one is that of the element's end.
         let (module, _) = rest.split_once('<')?;
         Some(Self(module.into()))
     }
@@ -155,6 +156,7 @@ pub fn play_page(module: &PackedModule<'_>, opening: &FrameRequest, game: &str) 
     filled_in(&Filling {
         title: "wildfire",
         sentence: "An arsonist lights bushes, fire trucks put them out: the side with more points at the end wins.",
+        // `wasm-unsafe-eval` lets the page compile its module, and evaluate no text as a script.
         policy: "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:",
         desk: DESK,
         question: QUESTION,

@@ -112,6 +112,7 @@ impl CountScale {
             all >= MIN_BUSHES && u64::from(changed) * 5 <= u64::from(all) * u64::from(5 - MAX_FIFTHS)
         };
         let max = changed_and_all.iter().map(|&(changed, _)| changed).max().unwrap_or(0);
+        // Where nothing is lit at all, intact bushes are all that there is to see.
         if max > 0 && changed_and_all.iter().all(is_dwarfed) {
             Self::WithoutIntact { max: round_up(f64::from(max) / FILLED) }
         } else {
@@ -246,6 +247,7 @@ impl ChartPlan {
         let top = header + part(9);
         let bottom = layout.chart.height - part(24);
         let room = bottom.saturating_sub(top);
+        // A third strip on a low chart would leave no room for the two that it compares.
         let (strips_room, difference) = if runs > 1 && room > part(150) {
             let height = 3 * room / 10;
             (room - height - part(22), Some((bottom - height, height)))

@@ -191,6 +191,7 @@ fn verdict_columns(run: &RunView, width: u32, end: SimTime) -> LaneMarks {
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a column lies on the sheet")]
 fn column_of(time: SimTime, width: u32, end: SimTime) -> u32 {
     let share = time.as_seconds() / end.as_seconds().max(f64::MIN_POSITIVE);
+    // What happens at the very end belongs to the last column.
     ((share * f64::from(width)) as u32).min(width - 1)
 }
 
