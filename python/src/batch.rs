@@ -455,8 +455,10 @@ fn seeds_from(seeds: &Bound<'_, PyAny>) -> PyResult<Seeds> {
     if seeds.is_instance_of::<PyString>() {
         return seeds.extract::<String>()?.parse().map_err(error);
     }
-    let numbers: Vec<u64> = if seeds.is_instance_of::<PyInt>() {
-        vec![seeds.extract()?]
+    // The integers of numpy are none of Python's, but stand for one.
+    let one = seeds.extract::<u64>();
+    let numbers: Vec<u64> = if one.is_ok() || seeds.is_instance_of::<PyInt>() {
+        vec![one?]
     } else {
         seeds
             .try_iter()

@@ -119,6 +119,8 @@ impl LaneRules {
             }
             LaneTask::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
+                // What an agent did that is not asked now belongs to an earlier step.
+                board.illegal.fill(false);
                 let mut choices = Vec::with_capacity(episode.pending().len());
                 for pending in episode.pending() {
                     let Some(seat) = self.seat_of(pending.agent) else { continue };

@@ -90,7 +90,7 @@ pub fn plan<'py>(
     };
     let interruption: Arc<Interruption> = Arc::default();
     let registry = factories.registry(py, &interruption);
-    let answer = py.detach(|| request.plan(&registry));
+    let answer = interruption.work(py, || request.plan(&registry));
     // The rows of queries that were no longer asked after an exception are worth nothing.
     if let Some(exception) = interruption.take() {
         return Err(exception);

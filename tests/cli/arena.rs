@@ -71,6 +71,27 @@ fn a_board_ranks_its_entries_and_is_recomputed() {
 }
 
 #[test]
+fn failed_runs_count_as_the_worst_score_where_lower_is_better() {
+    let story = Story::begin();
+    let dispatch = TRACKS.iter().find(|track| track.name == "dispatch").expect("there is one");
+    let mut rows = dispatch.golden();
+    for name in ["auction", "nearest"] {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/batch/arena/1.0/dispatch");
+        let text = fs::read_to_string(format!("{folder}/{name}.toml")).expect("it is a reference");
+        fs::create_dir_all(story.path(&format!("board/entries/{name}"))).expect("writable");
+        story.file(&format!("board/entries/{name}/entry.toml"), &text);
+    }
+    rows.iter_mut().filter(|row| row.entry == "auction").for_each(|row| row.score = None);
+    story.file("board/dispatch.csv", &ArenaRow::write(&rows));
+    let ranked: Value =
+        serde_json::from_str(&story.tell(&["arena", "rank", "--json"]).expect_code(0).stdout).expect("JSON");
+    let entries = ranked[0]["entries"].as_array().expect("a list");
+    assert_eq!(entries.iter().map(|entry| &entry["entry"]).collect::<Vec<_>>(), ["nearest", "auction"]);
+    let worst = rows.iter().filter_map(|row| row.score).fold(0.0, f64::max);
+    assert_eq!(entries[1]["score"].as_f64(), Some(worst));
+}
+
+#[test]
 fn one_changed_digit_is_found_and_named() {
     let story = board();
     let rows = story.read("board/drive.csv");

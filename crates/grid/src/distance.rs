@@ -60,7 +60,7 @@ pub fn euclidean_distances(occupied: &Grid<bool>) -> Option<Grid<f64>> {
 /// Finds the occupied cell nearest to each cell by the Euclidean distance of centres, as `row * cols + col`; `None` if
 /// no cell is occupied.
 ///
-/// Of several, the one in the first column, and there the one in the first row.
+/// Of several, the one in the last column, and there the one in the first row.
 ///
 /// # Panics
 /// If a side is longer than 46,339 cells or the map has more cells than 32 bits can number.
@@ -319,6 +319,12 @@ mod tests {
                 let found_col = found % map.cols();
                 assert!(map[(found_row, found_col)]);
                 assert_eq!(row.abs_diff(found_row).pow(2) + col.abs_diff(found_col).pow(2), square as usize);
+                let cell = (row as i32, col as i32);
+                let as_near = occupied_cells(&map)
+                    .into_iter()
+                    .filter(|other| (cell.0 - other.0).pow(2) + (cell.1 - other.1).pow(2) == square);
+                let expected = as_near.max_by_key(|other| (other.1, -other.0));
+                assert_eq!(expected, Some((found_row as i32, found_col as i32)), "for {row}, {col}");
             }
         }
     }

@@ -77,7 +77,9 @@ impl fmt::Display for MemoryLimit {
 }
 
 /// Units of sizes and their bytes, without the `B` at their end.
-const UNITS: [(&str, u64); 8] = [
+const UNITS: [(&str, u64); 9] = [
+    // A number without any unit is refused before: only `500000000B` comes here as this one.
+    ("", 1),
     ("k", 1000),
     ("m", 1_000_000),
     ("g", 1_000_000_000),
@@ -97,6 +99,9 @@ impl FromStr for MemoryLimit {
         let end = text.find(|letter: char| !letter.is_ascii_digit() && letter != '.').unwrap_or(text.len());
         let (number, unit) = text.split_at(end);
         let unit = unit.trim_start().to_ascii_lowercase();
+        if unit.is_empty() {
+            return Err(expected());
+        }
         let unit = unit.strip_suffix('b').unwrap_or(&unit);
         let bytes_of_one =
             UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, bytes)| bytes).ok_or_else(expected)?;
@@ -290,6 +295,7 @@ mod tests {
             ("1.5 gb", 1_500_000_000),
             ("512MiB", 512 << 20),
             ("4Gi", 4 << 30),
+            ("500000001B", 500_000_001),
             ("1000kB", 1_000_000),
             ("2TiB", 2 << 40),
         ] {

@@ -110,12 +110,9 @@ impl Recorder {
 fn bytes_beside(fact: &Fact) -> usize {
     let Fact::Agent(_, fact) = fact else { return 0 };
     match fact {
-        AgentFact::Planned { trajectory, .. }
-        | AgentFact::Dropped { trajectory, .. }
-        | AgentFact::GaveWay { trajectory, .. } => 2 * size_of_val(trajectory.pieces()),
         AgentFact::OutOfReach { cells, .. } => size_of_val(&cells[..]),
         AgentFact::Searched { graph, .. } => size_of_val(&graph.places[..]) + size_of_val(&graph.edges[..]),
-        _ => 0,
+        _ => fact.trajectory().map_or(0, |leg| 2 * size_of_val(leg.pieces())),
     }
 }
 

@@ -384,7 +384,7 @@ fn replay(
                 "{}, {}, seed {}: there is no such run on the track `{}`",
                 row.entry, row.condition, row.seed, track.name
             ));
-            return Ok(());
+            continue;
         };
         // Runs of a plan are numbered from 1, all seeds of a variant after one another.
         numbers.insert(variant as u64 * plan.seeds.count() + seed, *row);

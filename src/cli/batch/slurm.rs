@@ -221,7 +221,7 @@ fn batch_args(arguments: &BatchArguments) -> String {
         None => {}
     }
     if let Some(memory) = arguments.memory {
-        args.extend(["--memory".to_owned(), memory.bytes.to_string()]);
+        args.extend(["--memory".to_owned(), format!("{}B", memory.bytes)]);
     }
     if let Some(record) = arguments.record {
         let which = serde_json::to_value(record).expect("it is a word");

@@ -128,9 +128,12 @@ impl LatexBlocks {
         let parts: Vec<&str> = plain.split('-').filter(|word| !word.is_empty()).collect();
         let joined: String = parts.join("-").chars().take(MAX_LETTERS).collect();
         let label = format!("tab:{}", joined.trim_end_matches('-'));
-        let same = self.labels.iter().filter(|existing| **existing == label).count();
+        let numbered = (2..).map(|number| format!("{label}-{number}"));
+        let is_free = |label: &String| !self.labels.contains(label);
+        let label =
+            [label.clone()].into_iter().chain(numbered).find(is_free).expect("there is a number for each label");
         self.labels.push(label.clone());
-        if same == 0 { label } else { format!("{label}-{}", same + 1) }
+        label
     }
 }
 
@@ -211,6 +214,8 @@ mod tests {
         for expected_part in ["\\caption{Runs: Run}\\label{tab:runs-run}", "\\label{tab:runs-run-2}"] {
             assert!(text.contains(expected_part), "{expected_part}: {text}");
         }
+        let labels = ["Runs", "Runs", "Runs 2", "Runs"].map(|caption| blocks.label(caption));
+        assert_eq!(labels, ["tab:runs", "tab:runs-2", "tab:runs-2-2", "tab:runs-3"]);
     }
 
     #[test]

@@ -186,6 +186,7 @@ impl Board {
             return Ok(None);
         }
         self.expect_same_runs(track, &by_entry)?;
+        let worst_score = worst_score(track, by_entry.values().flatten().copied());
         let mut found = Vec::new();
         for (name, rows) in &mut by_entry {
             // `chunk_by` in `BoardEntry::new` joins neighbours only, and two entries are paired row by row.
@@ -193,9 +194,9 @@ impl Board {
             let entry = self.entry(name)?;
             // A class depends on the programs that an entry names, not on seeds.
             let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, Seeds::default())?;
-            found.push((BoardEntry::new(track, &entry, class_of(&plan, name), rows), &*rows));
+            found.push((BoardEntry::new(track, &entry, class_of(&plan, name), rows, worst_score), &*rows));
         }
-        Ok(Some(TrackBoard::new(track, found)))
+        Ok(Some(TrackBoard::new(track, found, worst_score)))
     }
 
     /// Every entry has each seed under each condition once.
@@ -333,13 +334,22 @@ fn write(files: &[(PathBuf, String)]) -> Result<(), ArenaError> {
     Ok(())
 }
 
+/// The worst score of all entries of a track, which is that of a run without one: where lower is better, 0 would win.
+fn worst_score<'a>(track: &Track, rows: impl Iterator<Item = &'a ArenaRow>) -> f64 {
+    let scores = rows.filter_map(|row| row.score);
+    match track.better {
+        Better::Higher => scores.fold(0.0, f64::min),
+        Better::Lower => scores.fold(0.0, f64::max),
+    }
+}
+
 impl BoardEntry {
-    /// `rows` are in the order of their seeds and conditions.
-    fn new(track: &Track, entry: &ArenaEntry, class: Class, rows: &[&ArenaRow]) -> Self {
+    /// `rows` are in the order of their seeds and conditions; those without a score count as the worst one.
+    fn new(track: &Track, entry: &ArenaEntry, class: Class, rows: &[&ArenaRow], worst_score: f64) -> Self {
         let mut by_condition: BTreeMap<&str, Series> = BTreeMap::new();
         let mut effort = Series::default();
         for row in rows {
-            by_condition.entry(&row.condition).or_default().add(row.score.unwrap_or(0.0));
+            by_condition.entry(&row.condition).or_default().add(row.score.unwrap_or(worst_score));
             effort.add(row.effort as f64);
         }
         let by_condition: Vec<_> = by_condition
@@ -362,7 +372,7 @@ impl BoardEntry {
             rows_hash: rows_hash(rows.iter().copied()),
             by_condition,
         };
-        let decisive = found.decisive(track, rows);
+        let decisive = found.decisive(track, rows, worst_score);
         // Rows of one seed share its field and are not independent, so the interval is one of means by seed.
         let of_seeds = decisive.chunk_by(|one, next| one.0 == next.0);
         let means = of_seeds.map(|of_seed| of_seed.iter().map(|it| it.2).sum::<f64>() / of_seed.len() as f64);
@@ -371,14 +381,9 @@ impl BoardEntry {
     }
 
     /// The seed, the stratum and the score of each row that decides.
-    fn decisive(&self, track: &Track, rows: &[&ArenaRow]) -> Vec<(u64, usize, f64)> {
+    fn decisive(&self, track: &Track, rows: &[&ArenaRow], worst_score: f64) -> Vec<(u64, usize, f64)> {
         let place =
             |row: &ArenaRow| self.by_condition.iter().position(|(name, ..)| *name == row.condition).unwrap_or(0);
-        let scores = rows.iter().filter_map(|row| row.score);
-        let worst_score = match track.better {
-            Better::Higher => scores.fold(0.0, f64::min),
-            Better::Lower => scores.fold(0.0, f64::max),
-        };
         rows.iter()
             .filter(|row| !track.worst_decides || place(row) == self.worst)
             .map(|row| (row.seed, if track.worst_decides { 0 } else { place(row) }, row.score.unwrap_or(worst_score)))
@@ -387,10 +392,10 @@ impl BoardEntry {
 }
 
 impl TrackBoard {
-    fn new(track: &'static Track, found: Vec<(BoardEntry, &Vec<&ArenaRow>)>) -> Self {
+    fn new(track: &'static Track, found: Vec<(BoardEntry, &Vec<&ArenaRow>)>, worst_score: f64) -> Self {
         let metric = track.metric();
         let decisive: Vec<Vec<(u64, usize, f64)>> =
-            found.iter().map(|(entry, rows)| entry.decisive(track, rows)).collect();
+            found.iter().map(|(entry, rows)| entry.decisive(track, rows, worst_score)).collect();
         // All entries have the same runs in the same order, see `expect_same_runs`; the keys of the first are those of all.
         let runs: Vec<RunKey> = decisive[0].iter().map(|&(seed, stratum, _)| RunKey { seed, stratum }).collect();
         let strata = runs.iter().map(|run| run.stratum + 1).max().unwrap_or(1);

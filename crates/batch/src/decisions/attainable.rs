@@ -30,7 +30,8 @@ pub struct HindsightBound {
     pub answers: Answers,
     /// The runs that were played.
     pub runs: u32,
-    /// True if all sequences of choices were played: none loses less.
+    /// True if all sequences of choices were played: none loses less. In these a truck that has fires to choose from goes to one
+    /// of them.
     pub is_exact: bool,
     pub timeline: Timeline,
 }
@@ -69,7 +70,7 @@ pub fn attain(
 
 /// Plays all sequences of choices of a single truck; `None` if the budget is too small for them.
 fn exhaust(start: &Simulation, budget: HindsightBudget) -> Result<Option<HindsightBound>, RunError> {
-    let mut tree = DecisionTree { choices: budget.choices, left: budget.runs, best: None };
+    let mut tree = DecisionTree { choices: budget.choices, left: budget.runs, best: None, is_whole: true };
     // A tree that is played in part is no bound; the budget is then better spent on the search.
     if !tree.descend(start, &mut Answers::new())? {
         return Ok(None);
@@ -83,7 +84,7 @@ fn exhaust(start: &Simulation, budget: HindsightBudget) -> Result<Option<Hindsig
         attainable,
         answers,
         runs,
-        is_exact: true,
+        is_exact: tree.is_whole,
         timeline: best.finish().timeline,
     }))
 }
@@ -103,6 +104,8 @@ struct DecisionTree {
     choices: usize,
     left: u32,
     best: Option<(Simulation, Answers)>,
+    /// False if a decision had more options than choices are tried.
+    is_whole: bool,
 }
 
 impl DecisionTree {
@@ -127,6 +130,7 @@ impl DecisionTree {
             self.best = Some((run, answers.clone()));
         }
         let Some(decision) = next else { return Ok(true) };
+        self.is_whole &= decision.options.len() <= self.choices;
         let mut node = before.fork()?;
         // The run stops one nanosecond before, as an answer must be forced before the policy is asked.
         node.advance_to(decision.time - SimTime::from_nanos(1));
@@ -186,9 +190,10 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
                     // Later answers belonged to the run before this improvement.
                     search.answers.split_off(time);
                     search.answers.insert(answer.0, answer.1);
-                    // It goes on behind the decision that was changed, in the run that followed from it.
-                    next = played.partition_point(|later| later.time <= *time);
-                    decisions = played;
+                    // It goes on behind the decision that was changed, in the run that followed from it. The decisions before, which
+                    // that run does not list again, stay for the next pass.
+                    decisions.truncate(decisions.partition_point(|other| other.time <= *time));
+                    decisions.extend(played.into_iter().filter(|later| later.time > *time));
                 }
             }
         }
@@ -317,6 +322,9 @@ mod tests {
                 "seed {seed}"
             );
             assert_eq!((all.lost, all.attainable as u32), (found.lost, Outcome::new(&all.timeline).burned()));
+            let few = HindsightBudget { choices: 2, runs: 100_000 };
+            let few = exhaust(&start, few).expect("it is played").expect("the tree is smaller");
+            assert!(!few.is_exact && few.runs < all.runs, "of three fires or more, two were tried");
             let one_less = HindsightBudget { choices: 8, runs: all.runs - 1 };
             assert!(exhaust(&start, one_less).expect("it is played").is_none(), "one run less is too few");
             (lost, of_search, of_all) = (lost + all.lost, of_search + found.attainable, of_all + all.attainable);

@@ -79,12 +79,15 @@ pub fn rules_of(mut scenario: Json, free: &FreeKeys) -> Json {
     scenario
 }
 
+/// By key, all values that it has in the tables of some programs, as JSON: a second program may have no other than the first.
+pub type LimitsOfPrograms = BTreeMap<String, BTreeSet<String>>;
+
 /// Returns the limits of the programs that play in a scenario, except those that are free.
-pub fn limits_of_programs(scenario: &Json, free: &FreeKeys) -> BTreeMap<String, Json> {
-    let mut limits = BTreeMap::new();
+pub fn limits_of_programs(scenario: &Json, free: &FreeKeys) -> LimitsOfPrograms {
+    let mut limits = LimitsOfPrograms::new();
     for (list, name, table) in programs_of(scenario) {
         for key in LIMITS.into_iter().filter(|key| !free.has(&[list, name, key])) {
-            limits.entry(format!("{list}.*.{key}")).or_insert_with(|| table[key].clone());
+            limits.entry(format!("{list}.*.{key}")).or_default().insert(table[key].to_string());
         }
     }
     limits
@@ -99,8 +102,10 @@ pub fn kept_program(scenario: &Json) -> Option<String> {
 /// Lists the tables of the programs that play in a scenario, each with the list that it is in and its name.
 fn programs_of(scenario: &Json) -> impl Iterator<Item = (&'static str, &str, &Json)> {
     let agents = ["unimog", "wumpus"].into_iter().flat_map(|kind| scenario[kind].as_array().into_iter().flatten());
-    let names: BTreeSet<&str> =
-        agents.flat_map(|agent| [&agent["planner"], &agent["goal"]]).filter_map(Json::as_str).collect();
+    let of_agents = agents.flat_map(|agent| [&agent["planner"], &agent["goal"]]);
+    let has_crews = scenario["crew"].as_array().is_some_and(|crews| !crews.is_empty());
+    let of_crews = has_crews.then(|| &scenario["line"]["policy"]);
+    let names: BTreeSet<&str> = of_agents.chain(of_crews).filter_map(Json::as_str).collect();
     TABLES_OF_PROGRAMS.into_iter().flat_map(move |list| {
         let tables = scenario[list].as_object().into_iter().flatten();
         let plays = names.clone();
@@ -119,5 +124,29 @@ fn resolve_rescue(scenario: &mut Json) {
                 truck["planner"].as_str().is_some_and(|name| built_in.iter().any(|planner| planner == name));
             truck["rescue"] = is_built_in.into();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_second_program_hides_no_limit_and_crews_have_programs_too() {
+        let scenario = json!({
+            "unimog": [{ "planner": "mine", "goal": "nearest" }, { "planner": "other", "goal": "nearest" }],
+            "crew": [{}],
+            "line": { "policy": "crews" },
+            "planner": { "mine": { "query_cpu_s": 1.0 }, "other": { "query_cpu_s": 50.0 }, "idle": { "query_cpu_s": 7.0 } },
+            "policy": { "crews": { "query_cpu_s": 3.0, "reuse": true } },
+        });
+        let limits = limits_of_programs(&scenario, &FreeKeys::default());
+        assert_eq!(limits["planner.*.query_cpu_s"], BTreeSet::from(["1.0".to_owned(), "50.0".to_owned()]));
+        assert_eq!(limits["policy.*.query_cpu_s"], BTreeSet::from(["3.0".to_owned()]));
+        assert_eq!(kept_program(&scenario).as_deref(), Some("policy.crews"));
+        let mut without_crews = scenario;
+        without_crews["crew"] = json!([]);
+        assert_eq!(kept_program(&without_crews), None);
     }
 }

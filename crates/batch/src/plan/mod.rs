@@ -26,7 +26,8 @@ pub use course::{
     CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest, EntryCard, read_card, rules_schema,
 };
 pub use equal_rules::{
-    COLUMNS_OF_ENTRIES, FreeParameters, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program, limits_of_programs, rules_of,
+    COLUMNS_OF_ENTRIES, FreeParameters, LimitsOfPrograms, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program,
+    limits_of_programs, rules_of,
 };
 pub use file::{PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};

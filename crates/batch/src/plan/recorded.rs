@@ -120,7 +120,13 @@ impl From<OtherVariant> for RecordedVariant {
             names.join(";")
         };
         let planner = names("planner");
-        let policy = names("goal");
+        // As `Dispatch::label` writes it: a team with a policy follows no goals of its own.
+        let dispatch = &scenario["dispatch"];
+        let policy = match (dispatch["policy"].as_str(), dispatch["idle"].as_str()) {
+            (Some(policy), None | Some("stay")) => policy.to_owned(),
+            (Some(policy), Some(idle)) => format!("{policy}+{idle}"),
+            (None, _) => names("goal"),
+        };
         let name = scenario["name"].as_str().unwrap_or_default().to_owned();
         Self { swept, name, planner, policy, scenario: scenario.to_string() }
     }

@@ -200,7 +200,11 @@ impl<R: BufRead> PnmPixels<R> {
                     return Err(Fault::Cell { row, col, found: shown_letter(&[byte]), expected });
                 }
             };
-            let sample = u16::try_from(number).unwrap_or(u16::MAX);
+            // Beyond 65,535 it is beyond any maximum value, which the caller checks.
+            let Ok(sample) = u16::try_from(number) else {
+                let expected = "a whole number up to the maximum of the header".to_owned();
+                return Err(Fault::Cell { row, col, found: number.to_string(), expected });
+            };
             // In a bitmap 1 is black.
             self.samples.push(if is_bitmap { 1 - sample } else { sample });
         }

@@ -2,7 +2,7 @@
 
 use std::ops::{BitAnd, BitOr, BitOrAssign, BitXor, Not};
 
-/// CellSet along a side of a tile.
+/// Cells along a side of a tile.
 pub const SIDE: usize = 16;
 
 /// Rows and columns of a tile are numbered from its north-west cell.

@@ -151,7 +151,7 @@ impl VehicleTrack<'_> {
 /// A drive within a step: the body's corners at its beginning, and how they move.
 struct JudgedStep {
     rear: DVec2,
-    /// Half the diagonal of the motion's bounding circle about the rear axle at the beginning.
+    /// The radius of a circle about the rear axle at the beginning that holds the whole motion.
     reach_m: f64,
     corners: [DVec2; 4],
     motion: JudgedMotion,

@@ -69,7 +69,7 @@ impl PotentialField {
         Walk::straight(Some(path), expansions)
     }
 
-    /// The potential that leads to an query's goal.
+    /// The potential that leads to the goal of a query.
     pub(super) fn towards(&self, query: &WalkQuery<'_>) -> Potential<'_> {
         let rows = query.lattice.rows();
         let cols = query.lattice.cols();

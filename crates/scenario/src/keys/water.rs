@@ -103,7 +103,9 @@ impl Water {
 
     /// Returns the stops that a full tank suffices for.
     pub fn full_tank(&self) -> u32 {
-        (self.tank_l / self.stop_l) as u32
+        // There is a tolerance, as 4.8 / 1.6 is 2.9999999999999996 in floats.
+        let stops = self.tank_l / self.stop_l;
+        (stops * (1.0 + 1e-9)) as u32
     }
 
     /// Returns how long it takes to fill up what one stop takes.
@@ -135,28 +137,43 @@ impl Water {
 
     /// Warns of places that no truck gets near enough to.
     pub(crate) fn warn(&self, scenario: &Scenario, field: Option<&ScenarioField<'_>>, found: &mut Vec<String>) {
-        let Some(truck) = scenario.unimog.first() else {
+        if scenario.unimog.is_empty() {
             found.push("The table `water` has no effect: there are no trucks.".into());
             return;
-        };
+        }
         let Some(field) = field else { return };
-        let checker = CollisionChecker::new(Arc::clone(&field.clearance), truck.vehicle);
+        // Bodies that are alike are looked at once.
+        let mut bodies: Vec<Dimensions> = Vec::new();
+        for body in scenario.unimog.iter().map(|truck| truck.vehicle) {
+            if !bodies.contains(&body) {
+                bodies.push(body);
+            }
+        }
+        let has_room = |place: DVec2| {
+            bodies.iter().any(|body| {
+                let checker = CollisionChecker::new(Arc::clone(&field.clearance), *body);
+                has_room(&checker, body, place, self.reach_m)
+            })
+        };
         for (number, place) in self.place.iter().enumerate() {
-            if !has_room(&checker, &truck.vehicle, DVec2::new(place.x_m, place.y_m), self.reach_m) {
+            if !has_room(DVec2::new(place.x_m, place.y_m)) {
                 let WaterPlace { x_m, y_m } = place;
                 found.push(format!(
                     "`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).",
-                    self.reach_m
+                    self.reach_m.min(MAX_SEARCHED_M)
                 ));
             }
         }
     }
 }
 
+/// How far from a place room is looked for; farther, a field would be all bushes.
+const MAX_SEARCHED_M: f64 = 20.0;
+
 /// Says whether a truck can stand with the middle of its body near a place: places a metre apart, sixteen headings.
 fn has_room(checker: &CollisionChecker, body: &Dimensions, place: DVec2, reach_m: f64) -> bool {
     const HEADINGS: u32 = 16;
-    let steps = reach_m.min(20.0).floor() as i32;
+    let steps = reach_m.min(MAX_SEARCHED_M).floor() as i32;
     (0..HEADINGS).any(|turn| {
         let heading = std::f64::consts::TAU * f64::from(turn) / f64::from(HEADINGS);
         let offset = body.body_centre(Pose::new(0.0, 0.0, heading));

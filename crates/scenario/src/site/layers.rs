@@ -596,13 +596,12 @@ impl LayerKind {
         let mut turned = 0.0;
         let mut azimuth = 0.0;
         // A sample is enough for means, and large rasters have billions of cells.
-        let step = (rows * cols / 100_000).max(1);
-        for index in (0..rows * cols).step_by(step) {
-            let (row, col) = (index / cols, index % cols);
-            // Horn's slope needs all eight neighbours.
-            if row == 0 || col == 0 || row + 1 == rows || col + 1 == cols {
-                continue;
-            }
+        let step = ((rows * cols / 100_000) as f64).sqrt().ceil().max(1.0) as usize;
+        // Every so many rows and columns: every so many cells could be those of one column. Horn's slope needs all eight
+        // neighbours, so the border is left out.
+        let columns = || (1..cols.saturating_sub(1)).step_by(step);
+        for (row, col) in (1..rows.saturating_sub(1)).step_by(step).flat_map(|row| columns().map(move |col| (row, col)))
+        {
             let height = |row: usize, col: usize| {
                 let height = heights.value(row, col);
                 if heights.is_nodata(height) { f64::NAN } else { height.into() }

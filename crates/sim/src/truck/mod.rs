@@ -83,8 +83,10 @@ impl Truck {
     pub fn plan_like(&mut self, other: &Self) {
         self.planner = other.planner.clone();
         (self.charge, self.is_rescued, self.traffic) = (other.charge, other.is_rescued, other.traffic.clone());
-        // What the planner before failed on this one may reach.
+        // What the planner before failed on this one may reach, and it has other drives.
         self.failed_goals.clear();
+        self.closed_posts.clear();
+        self.blocked.clear();
     }
 
     /// Returns a drive along a path as fast as its limits and the ground allow.

@@ -37,7 +37,7 @@ pub enum ExportError {
     NoSuchAgent { found: AgentId, existing: String },
     #[error("{found} samples of agents; expected at most {MAX_SAMPLES}: choose a longer step, or fewer agents")]
     TooManySamples { found: u64 },
-    #[error("the field has {found} cells; expected at most {limit} for this formatat")]
+    #[error("the field has {found} cells; expected at most {limit} for this format")]
     FieldTooLarge { found: usize, limit: usize },
     #[error(transparent)]
     Write(#[from] io::Error),

@@ -246,6 +246,11 @@ fn check_event(event: &Event, setting: &Setting) -> Result<(), FileError> {
         _ => event.fact.cell().map_or(Ok(()), |goal| check_cell(goal, setting))?,
     }
     match &event.fact {
+        Fact::Agent(_, AgentFact::Suppressing { water_units, .. }) => {
+            // Without tanks a stop is one unit.
+            let full_tank = setting.water.as_ref().map_or(1, |water| water.full_tank);
+            require(*water_units <= full_tank, || "a stop takes more water than a tank holds".into())
+        }
         Fact::Agent(_, AgentFact::OutOfReach { cells, .. }) => {
             cells.iter().try_for_each(|&cell| check_cell(cell, setting))
         }

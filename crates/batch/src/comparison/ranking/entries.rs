@@ -12,8 +12,8 @@ use crate::comparison::settings::{RecordedSettings, merged, seeds_text, value_te
 use crate::comparison::sides::{Selection, whole};
 use crate::comparison::wording::listed;
 use crate::plan::{
-    COLUMNS_OF_ENTRIES, ENTRY_COLUMN, FreeKeys, FreeParameters, RecordedPlan, kept_program, limits_of_programs,
-    rules_of,
+    COLUMNS_OF_ENTRIES, ENTRY_COLUMN, FreeKeys, FreeParameters, LimitsOfPrograms, RecordedPlan, kept_program,
+    limits_of_programs, rules_of,
 };
 use wildfire_base::untrusted::visible_start;
 use wildfire_scenario::nearest_name;
@@ -182,7 +182,9 @@ impl<'a> Entries<'a> {
             for (key, found) in other.limits_of_programs(&freedom.limits) {
                 let (name, existing) = limits.entry(key.clone()).or_insert_with(|| (other.name.clone(), found.clone()));
                 if *existing != found {
-                    let [one, theirs] = [&*existing, &found].map(|value| visible_start(&value.to_string()));
+                    let [one, theirs] = [&*existing, &found].map(|values| {
+                        visible_start(&values.iter().map(String::as_str).collect::<Vec<_>>().join(" or "))
+                    });
                     let differences = format!("{key} of their programs is {one} and {theirs}");
                     return Err(RankingError::OtherRules { names: [name.clone(), other.name.clone()], differences });
                 }
@@ -241,11 +243,11 @@ impl EntryRuns<'_> {
     }
 
     /// The limits of the programs that play for it, except those that are free.
-    fn limits_of_programs(&self, free: &FreeKeys) -> BTreeMap<String, Json> {
-        let mut limits = BTreeMap::new();
+    fn limits_of_programs(&self, free: &FreeKeys) -> LimitsOfPrograms {
+        let mut limits = LimitsOfPrograms::new();
         for scenario in self.scenarios() {
-            for (key, value) in limits_of_programs(&scenario, free) {
-                limits.entry(key).or_insert(value);
+            for (key, values) in limits_of_programs(&scenario, free) {
+                limits.entry(key).or_default().extend(values);
             }
         }
         limits
