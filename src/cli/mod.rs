@@ -24,6 +24,7 @@ mod fork;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
+mod help;
 mod interrupt;
 mod judge;
 mod lessons;
@@ -55,7 +56,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::builder::FalseyValueParser;
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arena::ArenaCommand;
 use attain::AttainArguments;
@@ -93,9 +94,9 @@ use wildfire_sim::programs::supervisor;
 const EXAMPLES: &str = "\
 Examples:
   wildfire demo                               a tour in a minute
-  wildfire batch                              the contest, five runs: two tables
-  wildfire batch contest --seeds 1..1000      a thousand runs
+  wildfire batch contest --seeds 1..1000      a thousand runs: two tables
   wildfire run contest --seed 7               one run: who won, what took time
+  wildfire page -o play.html                  a page to play in a browser
   wildfire run --set unimog.prm_rs.samples=1000  another roadmap
   wildfire play contest --seed 7              watch it
   wildfire render --seed 7 --gif film.gif     draw it
@@ -213,9 +214,27 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
         return ExitCode::from(code);
     }
     interrupt::install();
-    let arguments = Arguments::try_parse_from(&args).unwrap_or_else(|error| refuse(&args, &error));
+    if args.get(1..).is_some_and(|words| words == ["help", "--all"]) {
+        let all = Arguments::command().render_long_help().to_string();
+        return terminal::print(&all).map_or_else(CliError::print, |()| ExitCode::SUCCESS);
+    }
+    let arguments = match parse(&args) {
+        Ok(arguments) => arguments,
+        Err(error) => match help::unknown_command(&args, &error, &Arguments::command()) {
+            Some(unknown) => return unknown.print(),
+            None => refuse(&args, &error),
+        },
+    };
     let context = CommandContext::new(arguments.quiet, registry.into());
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
+}
+
+/// Reads arguments; the help of the program itself is the overview.
+fn parse(args: &[OsString]) -> Result<Arguments, clap::Error> {
+    let program = Arguments::command();
+    let overview = help::overview(&program);
+    let matches = program.override_help(overview).try_get_matches_from(args)?;
+    Arguments::from_arg_matches(&matches)
 }
 
 /// Says what is wrong with the arguments, or prints what they ask for instead of a command, and ends the process.
@@ -223,8 +242,8 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
 /// The message quotes arguments. So that nothing in them acts on the terminal, it is made once more from arguments in
 /// which that is escaped, and which are wrong for the same reason.
 fn refuse(args: &[OsString], error: &clap::Error) -> ! {
-    let args = args.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
-    match Arguments::try_parse_from(args) {
+    let args: Vec<OsString> = args.iter().map(|word| visible(&word.to_string_lossy()).into_owned().into()).collect();
+    match parse(&args) {
         Err(same) if same.kind() == error.kind() => same.exit(),
         _ => error.exit(),
     }

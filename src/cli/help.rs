@@ -1,0 +1,154 @@
+//! `wildfire --help`: the commands that most people need, in groups; and what somebody meant who named a command that there
+//! is not.
+
+use std::ffi::OsString;
+
+use clap::Command;
+use clap::error::{ContextKind, ContextValue};
+
+use crate::cli::EXAMPLES;
+use crate::cli::error::CliError;
+use wildfire_base::untrusted::visible;
+
+/// Headings and commands of the overview. Those that are left out are printed by `help --all`.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Watch", &["demo", "run", "play", "page"]),
+    ("Contest", &["batch", "report", "compare", "rank"]),
+    ("Make", &["new", "check", "scenarios", "plan"]),
+    ("Maps and fire", &["map", "curve", "fire", "map-of"]),
+];
+
+/// The lines of the program's examples that the overview has: the heading and the first four, and two on exit codes.
+const FIRST_LINES: usize = 5;
+const LAST_LINES: usize = 2;
+
+/// Words for what a command does, as people look for it.
+const SYNONYMS: [(&str, &str); 25] = [
+    ("animate", "render"),
+    ("bench", "batch"),
+    ("benchmark", "plan"),
+    ("chart", "report"),
+    ("create", "new"),
+    ("game", "page"),
+    ("gif", "render"),
+    ("heatmap", "map-of"),
+    ("init", "new"),
+    ("leaderboard", "rank"),
+    ("list", "scenarios"),
+    ("movie", "render"),
+    ("plot", "report"),
+    ("results", "report"),
+    ("rnu", "run"),
+    ("show", "scenarios"),
+    ("sim", "run"),
+    ("simulate", "run"),
+    ("start", "run"),
+    ("stats", "batch"),
+    ("test", "check"),
+    ("validate", "check"),
+    ("verify", "audit"),
+    ("video", "render"),
+    ("view", "play"),
+];
+
+/// Writes the overview of a program's commands.
+pub fn overview(program: &Command) -> String {
+    let about = program.get_about().map(ToString::to_string).unwrap_or_default();
+    let mut text = format!("{about}\n\nUsage: wildfire [OPTIONS] <COMMAND>\n");
+    for (heading, names) in GROUPS {
+        text += &format!("\n{heading}:\n");
+        for name in names {
+            let command = program.find_subcommand(name).expect("groups have commands of the program");
+            text += &format!("  {name:<11}{}\n", first_clause(command));
+        }
+    }
+    let is_grouped = |name: &str| GROUPS.iter().any(|(_, names)| names.contains(&name));
+    let others = program.get_subcommands().filter(|command| !command.is_hide_set());
+    let others: Vec<&str> = others.map(Command::get_name).filter(|name| !is_grouped(name) && *name != "help").collect();
+    text += "\nMore, which `wildfire help --all` explains:\n";
+    text += &wrapped(&others.join(", "));
+    text += "\nOptions:\n  -q, --quiet    Print only results and errors, no progress or notes\n  -h, --help     Print this, or of a \
+             command all that it takes\n  -V, --version  Print the version\n\n";
+    let examples: Vec<&str> = EXAMPLES.lines().collect();
+    let (first, last) = (&examples[..FIRST_LINES], &examples[examples.len() - LAST_LINES..]);
+    text + &first.join("\n") + "\n\n" + &last.join("\n") + "\n"
+}
+
+/// The sentence of a command up to its first colon or semicolon, as far as it fits into a line of 80.
+fn first_clause(command: &Command) -> String {
+    const ROOM: usize = 66;
+    let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+    let clause = about.split([':', ';']).next().unwrap_or_default();
+    let end = if clause.chars().count() > ROOM { clause.rfind(", ").unwrap_or(clause.len()) } else { clause.len() };
+    clause[..end].to_owned()
+}
+
+/// Lines of at most 78 letters.
+fn wrapped(words: &str) -> String {
+    let mut lines = vec![String::from(" ")];
+    for word in words.split(' ') {
+        if lines.last().is_some_and(|line| line.len() + 1 + word.len() > 78) {
+            lines.push(String::from(" "));
+        }
+        let line = lines.last_mut().expect("there is a first line");
+        line.push(' ');
+        line.push_str(word);
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Returns what to say to a command that there is not; `None` for other mistakes. Of the commands within `map` and others the
+/// parser knows the names.
+pub fn unknown_command(args: &[OsString], error: &clap::Error, program: &Command) -> Option<CliError> {
+    let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    let mut words = args.iter().skip(1).map(|word| word.to_string_lossy()).filter(|word| !word.starts_with('-'));
+    let first = words.next()?;
+    let named = if first == "help" { words.next()? } else { first };
+    if named != *found {
+        return None;
+    }
+    let names = || program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
+    let meant = SYNONYMS.iter().find(|(word, _)| *word == found.to_lowercase()).map(|(_, name)| (*name).to_owned());
+    let meant = meant.or_else(|| wildfire_scenario::nearest_name(found, names()));
+    let tip = meant.map_or_else(String::new, |name| format!("; did you mean `wildfire {name}`?"));
+    let sentence = format!("there is no command `{}`{tip}", visible(found));
+    Some(CliError::bad_input(sentence, Some("`wildfire --help` shows the commands")))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::*;
+    use crate::cli::Arguments;
+
+    #[test]
+    fn the_overview_is_short_and_names_every_command() {
+        let program = Arguments::command();
+        let text = overview(&program);
+        assert!(text.lines().count() < 45 && text.lines().all(|line| line.len() <= 80), "{text}");
+        for command in program.get_subcommands() {
+            assert!(text.contains(command.get_name()), "{}: {text}", command.get_name());
+        }
+    }
+
+    #[test]
+    fn what_was_meant_by_a_command_is_found() {
+        let program = Arguments::command();
+        for (word, name) in
+            SYNONYMS.into_iter().chain([("bacth", "batch"), ("lesson", "lessons"), ("scenario", "scenarios")])
+        {
+            assert!(program.find_subcommand(name).is_some() && program.find_subcommand(word).is_none(), "{word}");
+            for line in [vec!["wildfire", word], vec!["wildfire", "help", word]] {
+                let args: Vec<OsString> = line.iter().map(OsString::from).collect();
+                let error = Arguments::try_parse_from(&args).expect_err(word);
+                let said =
+                    unknown_command(&args, &error, &program).map(|error| format!("{error:?}")).unwrap_or_default();
+                assert!(said.contains(&format!("did you mean `wildfire {name}`?")), "{line:?}: {said}");
+            }
+        }
+        let args = ["wildfire", "map", "burshfire"].map(OsString::from);
+        let error = Arguments::try_parse_from(&args).expect_err("there is no such map");
+        assert!(unknown_command(&args, &error, &program).is_none(), "the parser knows the maps");
+    }
+}
