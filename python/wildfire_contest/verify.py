@@ -59,7 +59,6 @@ def need(condition, message):
 
 class Report(list):
     """The violations of a recording as (time in ns, place, agent or "", sentence), and the work done."""
-
     work = 0
 
     def spend(self, work):
