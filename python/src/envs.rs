@@ -9,7 +9,8 @@ use pyo3::types::PyTuple;
 use wildfire::geometry::Cell;
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::rng;
-use wildfire::scenario::{Scenario, TruckGoal, WumpusGoal};
+use wildfire::scenario::{Scenario, Sight as TeamRules, TruckGoal, WumpusGoal};
+use wildfire::sim::policies::dispatch::TeamSight;
 use wildfire::sim::{Episode, Points, RunError, RunOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
@@ -82,6 +83,8 @@ struct LaneRules {
     scenario: Scenario,
     played: Vec<AgentId>,
     layout: Layout,
+    /// True if observers see no more than the team of trucks, by the scenario's `[sight]`.
+    by_sight: bool,
     /// True if all asked agents answer together, each in its own seat; otherwise one answers at a time.
     together: bool,
     /// A number of its own for scenario, agents and actions: a saved contest fits where it is the same.
@@ -119,23 +122,33 @@ impl LaneRules {
             LaneTask::Step(actions) => {
                 let Some(episode) = &mut lane.episode else { return Ok(()) };
                 let mut choices = Vec::with_capacity(episode.pending().len());
+                let rules = self.scenario.sight.clone().unwrap_or_default();
+                let sight = self.sight_of(episode, &rules);
                 for pending in episode.pending() {
                     let Some(seat) = self.seat_of(pending.agent) else { continue };
                     let candidates = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
                     let action = usize::try_from(actions[seat]).unwrap_or(0);
-                    let choice = self.layout.choice(action, episode.now(), &pending.options, candidates);
+                    let options = sight.known_options(&pending.options);
+                    let choice = self.layout.choice(action, episode.now(), &options, candidates);
                     board.illegal[seat] = choice.is_none();
                     choices.push((pending.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
                     if !self.together {
                         break;
                     }
                 }
+                drop(sight);
                 episode.answer(&choices)?;
                 lane.history.actions.extend(actions);
             }
         }
         self.observe(lane, board);
         Ok(())
+    }
+
+    fn sight_of<'a>(&'a self, episode: &'a Episode, rules: &'a TeamRules) -> Sight<'a> {
+        let (now, fires, agents) = (episode.now(), episode.fires(), episode.agents());
+        let team = self.by_sight.then(|| TeamSight::new(rules, &self.layout.frame, now, fires, agents));
+        Sight { now, fires, agents, team }
     }
 
     /// Plays a contest up to where it was saved.
@@ -162,7 +175,8 @@ impl LaneRules {
         let Some(episode) = &lane.episode else { return };
         let pending =
             if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
-        let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
+        let rules = self.scenario.sight.clone().unwrap_or_default();
+        let sight = self.sight_of(episode, &rules);
         sight.write(&self.layout, |id| pending.iter().any(|pending| pending.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());
         let actions = self.layout.actions();
@@ -174,7 +188,8 @@ impl LaneRules {
                 action_mask: &mut board.action_mask[seat * actions..(seat + 1) * actions],
                 candidates: &mut board.candidates[seat * numbers..(seat + 1) * numbers],
             };
-            let options = entry.map(|pending| (pending.agent, pending.options.as_slice()));
+            let known = entry.map(|pending| (pending.agent, sight.known_options(&pending.options)));
+            let options = known.as_ref().map(|(agent, options)| (*agent, options.as_slice()));
             lane.candidates[seat] = sight.write_agent(&self.layout, options, &mut arrays);
             let viewer = self.played[seat];
             board.reward[seat] = episode.points().lead_of(viewer) - lane.points.lead_of(viewer);
@@ -243,7 +258,7 @@ pub struct Contests {
 #[pymethods]
 impl Contests {
     #[new]
-    #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads))]
+    #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads, by_sight))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     fn new(
         py: Python<'_>,
@@ -254,6 +269,7 @@ impl Contests {
         nearest: Option<usize>,
         wait_s: f64,
         threads: usize,
+        by_sight: bool,
     ) -> PyResult<Self> {
         let scenario = scenario.load(py, Vec::new())?;
         let mut scenario = scenario.get().library().clone();
@@ -274,6 +290,9 @@ impl Contests {
         if played.is_empty() {
             return Err(PyValueError::new_err("play is empty; expected some of the scenario's agents"));
         }
+        if by_sight && played.iter().any(|agent| agent.role.lights()) {
+            return Err(PyValueError::new_err("observe=\"sight\" is what trucks see; expected play to name trucks only"));
+        }
         // A played agent follows no other policy.
         for &AgentId { role, number } in &played {
             if role.lights() {
@@ -289,8 +308,8 @@ impl Contests {
             wait: SimTime::from_seconds(wait_s),
             duration: SimTime::from_seconds(scenario.duration_s),
         };
-        let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together}");
-        let rules = LaneRules { scenario, played, layout, together, key: rng::key(0, &settings) };
+        let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together} {by_sight}");
+        let rules = LaneRules { scenario, played, layout, by_sight, together, key: rng::key(0, &settings) };
         let cells = lanes * rules.layout.frame.cell_count();
         let seats = lanes * rules.seats();
         let arrays = LaneArrays {
