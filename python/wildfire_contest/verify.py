@@ -94,9 +94,6 @@ class Bytes:
         need(value < count, "a choice has an unknown number")
         return value
 
-    def flag(self):
-        return self.choice(2) == 1
-
     def numbers(self, count):
         values = struct.unpack(f"<{count}d", self.take(8 * count))
         need(all(map(math.isfinite, values)), "a number is not finite")
@@ -106,7 +103,7 @@ class Bytes:
         return self.numbers(1)[0]
 
     def optional(self, read):
-        return read() if self.flag() else None
+        return read() if self.choice(2) else None
 
     def block(self):
         return self.take(self.unsigned())
@@ -179,7 +176,8 @@ def read_facts(data, bushes, agent_count, cell_count):
     while delays.at < len(delays.data):
         t_ns += delays.unsigned(64)
         kind, values = records.choice(len(FIELDS)), []
-        values.extend(readers[field]() for field in FIELDS[kind])
+        for field in FIELDS[kind]:
+            values.append(readers[field]())
         its_leg = values.pop() if FIELDS[kind].endswith("l") else None
         facts.append(Fact(t_ns, kind, values, its_leg))
         total += len(values[1]) if kind == 19 else 1
@@ -199,16 +197,16 @@ def read_recording(path):
     need(agent_count <= MAX_AGENTS, "it has more than 2000 agents")
     agents = [read_agent(data) for _ in range(agent_count)]
     duration_ns, reach, dwell_ns = data.unsigned(64), data.optional(data.number), data.unsigned(64)
-    rules = Rules(duration_ns, math.inf if reach is None else reach, dwell_ns, data.flag(), *data.numbers(3))
+    rules = Rules(duration_ns, math.inf if reach is None else reach, dwell_ns, data.choice(2), *data.numbers(3))
     facts = read_facts(data, bushes, agent_count, cols * rows)
     limits_count = data.unsigned()
     need(limits_count <= agent_count, "it has more limits than agents")
     limits = [data.optional(lambda: Limits(*data.numbers(2), *(data.optional(data.number) for _ in range(3))))
               for _ in range(limits_count)] + [None] * (agent_count - limits_count)
-    extinguishes_all, fire_rules, fires, piece_of = data.optional(data.flag), data.choice(3), None, {}
+    extinguishes_all, fire_rules, fires, piece_of = data.optional(lambda: data.choice(2)), data.choice(3), None, {}
     if fire_rules:
-        fires = Fires(data.unsigned(64), data.number(), data.flag(), data.flag(), data.optional(lambda: data.unsigned(64)))
-        data.flag()
+        fires = Fires(data.unsigned(64), data.number(), data.choice(2), data.choice(2), data.optional(lambda: data.unsigned(64)))
+        data.choice(2)
     if fire_rules == 2:
         need(data.unsigned() == len(bushes), "it does not have a piece for each bush")
         members = {}
@@ -224,7 +222,7 @@ def read_recording(path):
         unchecked.append("rules of fire and stops, or speed limits, that it does not state")
     unchecked += ["rates of steering"] * any(agent.has_steering_rate for agent in agents)
     return Recording(scenario, seed, cols, rows, cell, bushes, agents, rules, facts, facts[-1].t_ns, limits,
-                     extinguishes_all is False, fires, piece_of, blocked, has_ground, unchecked)
+                     extinguishes_all == 0, fires, piece_of, blocked, has_ground, unchecked)
 
 
 def wrapped(angle):
