@@ -286,13 +286,14 @@ def apart(a, b, agent):
 
 def check_pieces(report, agent, limits, path, shared):
     """Checks curvature and speeds of the pieces of a path that it does not share with the one before."""
-    jump_limit = SPEED_MPS if limits.acceleration or limits.braking else None
+    rise_limit, fall_limit = (SPEED_MPS if limit else None for limit in (limits.acceleration, limits.braking))
     pieces = path.pieces[shared:] + [standing(path.pieces[-1].end)]
     for before, piece in zip(pieces, pieces[1:]):
         fastest = max(piece.speed, piece.last)
-        jump = math.copysign(piece.speed, piece.length) - math.copysign(before.last, before.length)
+        kept = min(piece.speed, before.last) if piece.length * before.length > 0 else 0.0  # through a cusp it keeps none
         for value, limit, what in (
-            (abs(jump), jump_limit, "the jump of its speed"),
+            (piece.speed - kept, rise_limit, "the rise of its speed at once"),
+            (before.last - kept, fall_limit, "the fall of its speed at once"),
             (fastest, limits.forward if piece.length > 0 else limits.reverse, "its speed"),
             (abs(piece.curvature), 1 / agent.radius if agent.is_truck else 0, "its curvature"),
             (piece.acceleration, limits.acceleration, "its acceleration"),
