@@ -9,7 +9,7 @@ use pyo3::types::PyTuple;
 use wildfire::geometry::Cell;
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::rng;
-use wildfire::scenario::{Scenario, Sight as TeamRules, TruckGoal, WumpusGoal};
+use wildfire::scenario::{Scenario, Sight as SightRules, TruckGoal, WumpusGoal};
 use wildfire::sim::policies::dispatch::TeamSight;
 use wildfire::sim::{Episode, Points, RunError, RunOptions};
 use wildfire::time::SimTime;
@@ -128,7 +128,7 @@ impl LaneRules {
                     let Some(seat) = self.seat_of(pending.agent) else { continue };
                     let candidates = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
                     let action = usize::try_from(actions[seat]).unwrap_or(0);
-                    let options = sight.known_options(&pending.options);
+                    let options = sight.visible_options(&pending.options);
                     let choice = self.layout.choice(action, episode.now(), &options, candidates);
                     board.illegal[seat] = choice.is_none();
                     choices.push((pending.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
@@ -145,7 +145,7 @@ impl LaneRules {
         Ok(())
     }
 
-    fn sight_of<'a>(&'a self, episode: &'a Episode, rules: &'a TeamRules) -> Sight<'a> {
+    fn sight_of<'a>(&'a self, episode: &'a Episode, rules: &'a SightRules) -> Sight<'a> {
         let (now, fires, agents) = (episode.now(), episode.fires(), episode.agents());
         let team = self.by_sight.then(|| TeamSight::new(rules, &self.layout.frame, now, fires, agents));
         Sight { now, fires, agents, team }
@@ -188,8 +188,8 @@ impl LaneRules {
                 action_mask: &mut board.action_mask[seat * actions..(seat + 1) * actions],
                 candidates: &mut board.candidates[seat * numbers..(seat + 1) * numbers],
             };
-            let known = entry.map(|pending| (pending.agent, sight.known_options(&pending.options)));
-            let options = known.as_ref().map(|(agent, options)| (*agent, options.as_slice()));
+            let visible = entry.map(|pending| (pending.agent, sight.visible_options(&pending.options)));
+            let options = visible.as_ref().map(|(agent, options)| (*agent, options.as_slice()));
             lane.candidates[seat] = sight.write_agent(&self.layout, options, &mut arrays);
             let viewer = self.played[seat];
             board.reward[seat] = episode.points().lead_of(viewer) - lane.points.lead_of(viewer);

@@ -116,7 +116,7 @@ impl Sight<'_> {
     }
 
     /// Lists the options of an agent that observers know: a cell that burns unseen is none.
-    pub fn known_options(&self, options: &[Cell]) -> Vec<Cell> {
+    pub fn visible_options(&self, options: &[Cell]) -> Vec<Cell> {
         options.iter().copied().filter(|&cell| !self.fires.is_burning(cell) || self.knows(cell)).collect()
     }
 
@@ -162,8 +162,8 @@ impl Sight<'_> {
         let suppresses = agent.id.role.suppresses();
         let distance_m = |cell: Cell| (frame.centre(cell) - agent.place).length();
         let mut nearest: Vec<(f64, usize, Cell)> = if suppresses {
-            let known = self.fires.burning().filter(|&cell| self.knows(cell));
-            known.map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
+            let visible = self.fires.burning().filter(|&cell| self.knows(cell));
+            visible.map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         } else {
             self.fires.flammable().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         };

@@ -32,9 +32,9 @@ use wildfire_timeline::AgentId;
 /// The parts of CreditBench: a name, a plan, and the number of decisions of each run that are judged.
 const CREDIT_BENCH: [(&str, &str, usize); 2] = [
     ("solo", include_str!("../../assets/credit/solo.toml"), 60),
-    ("team", include_str!("../../assets/credit/team.toml"), 6),
+    ("team", include_str!("../../assets/credit/team.toml"), 3),
 ];
-const CREDIT_BENCH_CHOICES: usize = 8;
+const CREDIT_BENCH_CHOICES: usize = 10;
 const CREDIT_BENCH_FUTURES: u32 = 8;
 
 #[derive(Debug, Args)]

@@ -6,7 +6,6 @@ use std::ops::Range;
 use rayon::prelude::*;
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_fire::BushStateKind;
 use wildfire_scenario::Scenario;
 use wildfire_sim::policies::{Action, Decision};
 use wildfire_sim::{RunError, RunOptions, Simulation};
@@ -50,7 +49,7 @@ pub struct SelectedDecisions {
 pub struct CellFeatures {
     /// How long it has burned, in seconds; 0 if it does not burn yet.
     pub burning_s: f64,
-    /// Intact and burning bushes within [`NEAR_M`], itself left out.
+    /// Bushes within [`NEAR_M`] that can burn, and that do, itself left out.
     pub intact_near: u64,
     pub burning_near: u64,
     /// From the nearest truck other than the one that decides to the cell, in metres; `None` without another truck.
@@ -278,12 +277,9 @@ impl CounterfactualRunner {
         for row in cell.row.saturating_sub(reach)..=(cell.row + reach).min(frame.rows - 1) {
             for col in cell.col.saturating_sub(reach)..=(cell.col + reach).min(frame.cols - 1) {
                 let other = Cell { col, row };
-                if other != cell && (frame.centre(other) - place).length() <= NEAR_M {
-                    match fires.kind(other) {
-                        Some(BushStateKind::Intact) => near[0] += 1,
-                        Some(BushStateKind::Burning) => near[1] += 1,
-                        _ => {}
-                    }
+                if other != cell && fires.is_bush(other) && (frame.centre(other) - place).length() <= NEAR_M {
+                    near[0] += u64::from(fires.can_burn(other));
+                    near[1] += u64::from(fires.is_burning(other));
                 }
             }
         }

@@ -52,14 +52,14 @@ pub const DECISION_COLUMNS: &[DecisionColumn] = columns! { DecisionColumn, row;
     choice_distance_m: Real Metres "straight distance from the agent to the other cell" = row.metres.1;
     chosen_burning_s: optional Real Seconds "how long the cell that it set out for has burned"
         = row.worth.selected_features.map(|cell| cell.burning_s);
-    chosen_intact_near: optional Count None "intact bushes within 30 m of that cell"
+    chosen_intact_near: optional Count None "bushes that can burn within 30 m of that cell"
         = row.worth.selected_features.map(|cell| cell.intact_near);
     chosen_burning_near: optional Count None "burning bushes within 30 m of that cell"
         = row.worth.selected_features.map(|cell| cell.burning_near);
     chosen_other_truck_m: optional Real Metres "distance from the nearest other truck to that cell"
         = row.worth.selected_features.and_then(|cell| cell.other_truck_m);
     choice_burning_s: optional Real Seconds "how long the other cell has burned" = row.choice.features.map(|cell| cell.burning_s);
-    choice_intact_near: optional Count None "intact bushes within 30 m of the other cell"
+    choice_intact_near: optional Count None "bushes that can burn within 30 m of the other cell"
         = row.choice.features.map(|cell| cell.intact_near);
     choice_burning_near: optional Count None "burning bushes within 30 m of the other cell"
         = row.choice.features.map(|cell| cell.burning_near);
