@@ -36,8 +36,10 @@ def main(planners, searches):
     free = [row for row in rows if float(row["unimog.seconds_per_expansion"]) == 0]
     table(free, "CPU ms of the truck for each ms of the Wumpus",
           lambda row: float(row["cpu_unimog_total_s"]) / float(row["cpu_wumpus_s"]), PLANNERS, "planner", 1)
-    table(free, "Standing still although a fire could be reached, s",
-          lambda row: float(row["truck_stuck_s"]), PLANNERS, "planner", 1)
+    table(free, "CPU ms of the roadmap alone for each ms of the Wumpus",
+          lambda row: float(row["cpu_prm_total_s"]) / float(row["cpu_wumpus_s"]), PLANNERS[:2], "planner", 1)
+    table(free, "Failed queries in a run",
+          lambda row: sum(float(row[name]) for name in row if name.startswith("truck_failed_")), PLANNERS, "planner", 2)
     table(read(searches), "CPU ms of the Wumpus's search", lambda row: 1000 * float(row["cpu_wumpus_s"]),
           ("astar", "wavefront"), "wumpus.planner", 2)
 

@@ -13,6 +13,11 @@ mkdir -p "$pictures"
     "$program" compare --quiet "$folder/planners" --by planner --where unimog.seconds_per_expansion=0 --metric saved
     printf '\n## Planners, planning charged\n\n'
     "$program" compare --quiet "$folder/planners" --by planner --where unimog.seconds_per_expansion=0.0005 --metric saved
+    printf '\n## prm-rs and hybrid-astar\n\n'
+    for charge in 0 0.0005; do
+        "$program" compare --quiet "$folder/planners" --by planner=prm-rs,hybrid-astar \
+            --where unimog.seconds_per_expansion=$charge --metric saved
+    done
     printf '\n## Searches of the Wumpus\n\n'
     "$program" compare --quiet "$folder/searches" --by wumpus.planner --metric lit_by_wumpus
     python3 "$here/claims.py" "$folder/planners/runs.csv" "$folder/searches/runs.csv"
