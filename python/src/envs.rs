@@ -9,7 +9,8 @@ use pyo3::types::PyTuple;
 use wildfire::geometry::Cell;
 use wildfire::picture::film::{FrameRenderer, FrameRequest, RunView, ViewOptions};
 use wildfire::rng;
-use wildfire::scenario::{Scenario, TruckGoal, WumpusGoal};
+use wildfire::scenario::{Scenario, Sight as SightRules, TruckGoal, WumpusGoal};
+use wildfire::sim::policies::dispatch::TeamSight;
 use wildfire::sim::{Episode, Points, RunError, RunOptions};
 use wildfire::time::SimTime;
 use wildfire::timeline::AgentId;
@@ -82,6 +83,8 @@ struct LaneRules {
     scenario: Scenario,
     played: Vec<AgentId>,
     layout: Layout,
+    /// True if observers see no more than the team of trucks, by the scenario's `[sight]`.
+    by_sight: bool,
     /// True if all asked agents answer together, each in its own seat; otherwise one answers at a time.
     together: bool,
     /// A number of its own for scenario, agents and actions: a saved contest fits where it is the same.
@@ -122,12 +125,15 @@ impl LaneRules {
                 // What an agent did that is not asked now belongs to an earlier step.
                 board.illegal.fill(false);
                 let mut choices = Vec::with_capacity(episode.pending().len());
+                let rules = self.scenario.sight.clone().unwrap_or_default();
+                let sight = self.sight_of(episode, &rules);
                 for pending in episode.pending() {
                     let Some(seat) = self.seat_of(pending.agent) else { continue };
                     let candidates = lane.candidates.get(seat).map_or(&[][..], Vec::as_slice);
                     // `step` refuses such numbers, but the history of a pickled contest is read as it comes.
                     let action = usize::try_from(actions[seat]).unwrap_or(0);
-                    let choice = self.layout.choice(action, episode.now(), &pending.options, candidates);
+                    let options = sight.visible_options(&pending.options);
+                    let choice = self.layout.choice(action, episode.now(), &options, candidates);
                     board.illegal[seat] = choice.is_none();
                     choices.push((pending.agent, choice.unwrap_or_else(|| self.layout.waiting(episode.now()))));
                     // The others are asked next, since what this one does may take away some of their options.
@@ -135,12 +141,19 @@ impl LaneRules {
                         break;
                     }
                 }
+                drop(sight);
                 episode.answer(&choices)?;
                 lane.history.actions.extend(actions);
             }
         }
         self.observe(lane, board);
         Ok(())
+    }
+
+    fn sight_of<'a>(&'a self, episode: &'a Episode, rules: &'a SightRules) -> Sight<'a> {
+        let (now, fires, agents) = (episode.now(), episode.fires(), episode.agents());
+        let team = self.by_sight.then(|| TeamSight::new(rules, &self.layout.frame, now, fires, agents));
+        Sight { now, fires, agents, team }
     }
 
     /// Plays a contest up to where it was saved.
@@ -169,7 +182,8 @@ impl LaneRules {
         let pending =
             // What the others may do is only known when the first has acted, so nothing of theirs is shown.
             if self.together { episode.pending() } else { &episode.pending()[..episode.pending().len().min(1)] };
-        let sight = Sight { now: episode.now(), fires: episode.fires(), agents: episode.agents() };
+        let rules = self.scenario.sight.clone().unwrap_or_default();
+        let sight = self.sight_of(episode, &rules);
         sight.write(&self.layout, |id| pending.iter().any(|pending| pending.agent == id), &mut board.shared);
         lane.candidates.resize(self.seats(), Vec::new());
         let actions = self.layout.actions();
@@ -181,7 +195,8 @@ impl LaneRules {
                 action_mask: &mut board.action_mask[seat * actions..(seat + 1) * actions],
                 candidates: &mut board.candidates[seat * numbers..(seat + 1) * numbers],
             };
-            let options = entry.map(|pending| (pending.agent, pending.options.as_slice()));
+            let visible = entry.map(|pending| (pending.agent, sight.visible_options(&pending.options)));
+            let options = visible.as_ref().map(|(agent, options)| (*agent, options.as_slice()));
             lane.candidates[seat] = sight.write_agent(&self.layout, options, &mut arrays);
             // Where agents take turns, the package turns the sign of this for the other side: the points form a zero-sum game.
             let viewer = self.played[seat];
@@ -251,7 +266,7 @@ pub struct Contests {
 #[pymethods]
 impl Contests {
     #[new]
-    #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads))]
+    #[pyo3(signature = (scenario, lanes, play, *, together, nearest, wait_s, threads, by_sight))]
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     fn new(
         py: Python<'_>,
@@ -262,6 +277,7 @@ impl Contests {
         nearest: Option<usize>,
         wait_s: f64,
         threads: usize,
+        by_sight: bool,
     ) -> PyResult<Self> {
         let scenario = scenario.load(py, Vec::new())?;
         let mut scenario = scenario.get().library().clone();
@@ -282,6 +298,9 @@ impl Contests {
         if played.is_empty() {
             return Err(PyValueError::new_err("play is empty; expected some of the scenario's agents"));
         }
+        if by_sight && played.iter().any(|agent| agent.role.lights()) {
+            return Err(PyValueError::new_err("observe=\"sight\" is what trucks see; expected play to name trucks only"));
+        }
         // A played agent follows no other policy.
         for &AgentId { role, number } in &played {
             if role.lights() {
@@ -297,8 +316,8 @@ impl Contests {
             wait: SimTime::from_seconds(wait_s),
             duration: SimTime::from_seconds(scenario.duration_s),
         };
-        let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together}");
-        let rules = LaneRules { scenario, played, layout, together, key: rng::key(0, &settings) };
+        let settings = format!("{scenario:?} {played:?} {nearest:?} {wait_s} {together} {by_sight}");
+        let rules = LaneRules { scenario, played, layout, by_sight, together, key: rng::key(0, &settings) };
         let cells = lanes * rules.layout.frame.cell_count();
         let seats = lanes * rules.seats();
         let arrays = LaneArrays {

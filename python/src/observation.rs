@@ -6,6 +6,7 @@
 use wildfire::fire::BushState;
 use wildfire::fire::FireField;
 use wildfire::geometry::{Cell, FieldFrame};
+use wildfire::sim::policies::dispatch::TeamSight;
 use wildfire::sim::policies::{Action, AgentView, cluster_sizes};
 use wildfire::time::SimTime;
 use wildfire::timeline::{Activity, AgentId};
@@ -45,6 +46,8 @@ pub struct Sight<'a> {
     pub fires: &'a FireField,
     /// All agents in the order of their names.
     pub agents: &'a [AgentView],
+    /// What the team of trucks sees, if observers see no more.
+    pub team: Option<TeamSight<'a>>,
 }
 
 /// The arrays shared by all observers of a contest.
@@ -74,6 +77,9 @@ impl Sight<'_> {
                 Some(BushState::Extinguished) => (3, 0.0),
                 Some(BushState::BurnedOut) => (4, 0.0),
             };
+            // The positions of bushes are known from the map.
+            let is_shown = code == 0 || (if code == 2 { self.knows(cell) } else { !self.takes_for_intact(cell) });
+            let (code, burning_s) = if is_shown { (code, burning_s) } else { (1, 0.0) };
             (arrays.cells[index], arrays.burning_s[index]) = (code, burning_s);
         }
         for (agent, numbers) in self.agents.iter().zip(arrays.agents.chunks_exact_mut(AGENT_NUMBERS)) {
@@ -89,13 +95,33 @@ impl Sight<'_> {
                 Activity::Refilling => 5.0,
             };
             let queried = f64::from(u8::from(is_queried(agent.id)));
-            let all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, queried];
+            let mut all = [agent.place.x, agent.place.y, sin, cos, goal[0], goal[1], activity, queried];
+            if self.team.as_ref().is_some_and(|team| !team.sees_agent(agent)) {
+                all = [-1.0, -1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0];
+            } else if self.team.is_some() && agent.id.role.lights() {
+                // What a Wumpus is going to light nobody sees.
+                [all[4], all[5]] = [-1.0, -1.0];
+            }
             for (number, value) in numbers.iter_mut().zip(all) {
                 *number = value as f32;
             }
         }
         let left = layout.duration.since(self.now);
         arrays.time_s.copy_from_slice(&[self.now, left].map(|time| time.as_seconds() as f32));
+    }
+
+    /// Returns true if observers know the state of a burning cell.
+    pub fn knows(&self, cell: Cell) -> bool {
+        self.team.as_ref().is_none_or(|team| team.knows(cell))
+    }
+
+    /// Lists the options of an agent that observers know: a cell that burns unseen is none.
+    pub fn visible_options(&self, options: &[Cell]) -> Vec<Cell> {
+        options.iter().copied().filter(|&cell| !self.fires.is_burning(cell) || self.knows(cell)).collect()
+    }
+
+    fn takes_for_intact(&self, cell: Cell) -> bool {
+        self.team.as_ref().map_or_else(|| self.fires.can_burn(cell), |team| team.takes_for_intact(cell))
     }
 
     /// Writes the choices of an agent; if none is asked, the only choice is to wait. Returns the cells of the candidates if
@@ -137,15 +163,17 @@ impl Sight<'_> {
         let suppresses = agent.id.role.suppresses();
         let distance_m = |cell: Cell| (frame.centre(cell) - agent.place).length();
         let mut nearest: Vec<(f64, usize, Cell)> = if suppresses {
-            self.fires.burning().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
+            let visible = self.fires.burning().filter(|&cell| self.knows(cell));
+            visible.map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         } else {
             self.fires.flammable().map(|cell| (distance_m(cell), frame.index(cell), cell)).collect()
         };
         // With equal distances the index decides: an unstable sort alone need not give the same order for the same contest.
         nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         nearest.truncate(max);
+        // Clusters join fires that a team may not see.
         // What a Wumpus chooses among does not burn, so it belongs to no cluster.
-        let sizes = if suppresses { cluster_sizes(self.fires) } else { Vec::new() };
+        let sizes = if suppresses && self.team.is_none() { cluster_sizes(self.fires) } else { Vec::new() };
         for (place, &(distance_m, index, cell)) in nearest.iter().enumerate() {
             let is_free = options.binary_search_by_key(&index, |&option| frame.index(option)).is_ok();
             arrays.action_mask[1 + place] = i8::from(is_free);

@@ -107,6 +107,40 @@ def test_who_plays_the_nearest_plays_the_rules_run(scenario):
     assert seen["action_mask"].sum() == 1
 
 
+@pytest.mark.parametrize("radius_m", [40, 90])
+def test_who_plays_by_sight_sees_what_a_dispatched_team_sees(radius_m):
+    sight = {"sight.field": "radius", "sight.radius_m": radius_m, "dispatch.policy": "nearest", "duration_s": 500}
+    scenario = wf.scenario("fleet", NEAREST | sight)
+    expected = lead(wf.run(scenario, 3).outcome)
+    assert expected != lead(wf.run(wf.scenario(scenario, {"sight.field": "everything"}), 3).outcome)
+    env, other = envs.TruckEnv(scenario, observe="sight"), envs.TruckEnv(scenario)
+    (seen, _), (everything, _) = env.reset(seed=3), other.reset(seed=3)
+    rows, cols = np.nonzero(everything["cells"])
+    centres = np.stack([cols, rows], axis=1) * 5 + 2.5
+    # The points of the Wumpuses before the first question are nobody's reward.
+    gained, ended = -float((everything["cells"] > 1).sum()), False
+    while not ended:
+        near = (np.linalg.norm(centres[:, None] - everything["agents"][2:, :2], axis=2) <= radius_m).any(axis=1)
+        assert np.array_equal(seen["cells"][rows, cols], np.where(near, everything["cells"][rows, cols], 1))
+        assert (seen["agents"][:2] == [-1, -1, 0, 0, -1, -1, 0, 0]).all(), "nobody sees a Wumpus"
+        allowed = seen["action_mask"][1:].reshape(seen["cells"].shape)[rows, cols] == 1
+        assert not (allowed & ~near).any()
+        distances = np.linalg.norm(centres - seen["agents"][seen["agents"][:, 7] == 1][0, :2], axis=1)
+        place = np.where(allowed, distances, np.inf).argmin()
+        action = 1 + rows[place] * seen["cells"].shape[1] + cols[place] if allowed.any() else 0
+        (seen, reward, ended, _, info), (everything, *_) = env.step(action), other.step(action)
+        assert info["illegal"] == 0
+        gained += reward
+    assert gained == pytest.approx(expected)
+
+
+def test_only_trucks_play_by_sight():
+    with pytest.raises(ValueError, match="what trucks see"):
+        envs.TruckEnv("fleet", play=["wumpus_0"], observe="sight")
+    with pytest.raises(ValueError, match="everything"):
+        envs.TruckEnv("fleet", observe="fog")
+
+
 @pytest.mark.parametrize("goal", ["unimog", "wumpus"])
 def test_a_policy_that_answers_as_the_rule_does_plays_the_rules_run(goal):
     rule = wf.scenario("fleet", NEAREST | {"duration_s": 400})

@@ -254,6 +254,7 @@ class Contests:
         together: bool,
         nearest: int | None,
         wait_s: float,
+        by_sight: bool,
         threads: int,
     ) -> Contests: ...
     @property

@@ -38,6 +38,7 @@ class _Contest:
         actions: str,
         k: int,
         wait_s: float,
+        observe: str,
         render_mode: str | None,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
@@ -46,7 +47,7 @@ class _Contest:
         if play is None:
             play = _core.agents_of(scenario)
         self.contests, self.played = envs.make_contests(
-            scenario, 1, play, together=together, actions=actions, k=k, wait_s=wait_s
+            scenario, 1, play, together=together, actions=actions, k=k, wait_s=wait_s, observe=observe
         )
         own_k = k if actions == "nearest" else None
         seats = len(self.played) if together else 1
@@ -97,10 +98,11 @@ class ContestParallel(ParallelEnv[str, dict[str, Any], int]):
         actions: str = "cells",
         k: int = 16,
         wait_s: float = 10.0,
+        observe: str = "everything",
         render_mode: str | None = None,
     ) -> None:
         self._contest = _Contest(
-            scenario, play, together=True, actions=actions, k=k, wait_s=wait_s, render_mode=render_mode
+            scenario, play, together=True, actions=actions, k=k, wait_s=wait_s, observe=observe, render_mode=render_mode
         )
         self.render_mode = render_mode
         self.possible_agents = list(self._contest.played)
@@ -172,11 +174,12 @@ class ContestAEC(AECEnv[str, dict[str, Any], int]):
         actions: str = "cells",
         k: int = 16,
         wait_s: float = 10.0,
+        observe: str = "everything",
         render_mode: str | None = None,
     ) -> None:
         super().__init__()
         self._contest = _Contest(
-            scenario, play, together=False, actions=actions, k=k, wait_s=wait_s, render_mode=render_mode
+            scenario, play, together=False, actions=actions, k=k, wait_s=wait_s, observe=observe, render_mode=render_mode
         )
         self.render_mode = render_mode
         self.possible_agents = list(self._contest.played)

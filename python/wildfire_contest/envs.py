@@ -50,16 +50,27 @@ def make_contests(
     k: int,
     wait_s: float,
     threads: int = 1,
+    observe: str = "everything",
 ) -> tuple[_core.Contests, list[str]]:
     """Create contests side by side, and return them with the names of the played agents: by default all trucks."""
     if actions not in ("cells", "nearest"):
         msg = f'actions is {actions!r}; expected "cells" or "nearest"'
         raise ValueError(msg)
+    if observe not in ("everything", "sight"):
+        msg = f'observe is {observe!r}; expected "everything" or "sight"'
+        raise ValueError(msg)
     if play is None:
         play = [name for name in _core.agents_of(scenario) if name.startswith("unimog")]
     nearest_k = k if actions == "nearest" else None
     contests = _core.Contests(
-        scenario, lanes, list(play), together=together, nearest=nearest_k, wait_s=wait_s, threads=threads
+        scenario,
+        lanes,
+        list(play),
+        together=together,
+        nearest=nearest_k,
+        wait_s=wait_s,
+        threads=threads,
+        by_sight=observe == "sight",
     )
     return contests, list(play)
 
@@ -115,6 +126,9 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         The number of candidates with ``actions="nearest"``.
     wait_s : float
         The longest wait in seconds: action 0 lasts until a bush changes, but at most this long.
+    observe : {"everything", "sight"}
+        ``"sight"``: what the team of trucks sees by the scenario's table ``[sight]``. A bush that burns unseen looks intact
+                and cannot be chosen, and the row of an unseen Wumpus is -1, -1, 0, 0, -1, -1, 0, 0. Only trucks can be played.
     render_mode : {None, "rgb_array"}
     """
 
@@ -128,13 +142,14 @@ class TruckEnv(gymnasium.Env[dict[str, Any], np.int64]):
         actions: str = "cells",
         k: int = 16,
         wait_s: float = 10.0,
+        observe: str = "everything",
         render_mode: str | None = None,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             msg = f'render_mode is {render_mode!r}; expected None or "rgb_array"'
             raise ValueError(msg)
         self._contests, self.played = make_contests(
-            scenario, 1, play, together=False, actions=actions, k=k, wait_s=wait_s
+            scenario, 1, play, together=False, actions=actions, k=k, wait_s=wait_s, observe=observe
         )
         if len({name.rsplit("_", 1)[0] for name in self.played}) > 1:
             msg = f"play is {self.played}; expected agents of one side; use an environment for several agents to mix sides"

@@ -29,7 +29,7 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
     ----------
     n : int
         The number of contests side by side.
-    scenario, play, actions, k, wait_s
+    scenario, play, actions, k, wait_s, observe
         As for `TruckEnv`.
     threads : int
         The number of threads that share the work of a step; it does not affect results.
@@ -49,12 +49,13 @@ class TruckVectorEnv(VectorEnv[dict[str, Any], "NDArray[np.int64]", "NDArray[Any
         actions: str = "cells",
         k: int = 16,
         wait_s: float = 10.0,
+        observe: str = "everything",
     ) -> None:
         if autoreset not in AUTORESET:
             msg = f'autoreset is {autoreset!r}; expected "next-step" or "same-step"'
             raise ValueError(msg)
         self._contests, self.played = envs.make_contests(
-            scenario, n, play, together=False, actions=actions, k=k, wait_s=wait_s, threads=threads
+            scenario, n, play, together=False, actions=actions, k=k, wait_s=wait_s, threads=threads, observe=observe
         )
         if len({name.rsplit("_", 1)[0] for name in self.played}) > 1:
             msg = f"play is {self.played}; expected agents of one side"

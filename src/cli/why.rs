@@ -1,12 +1,14 @@
 //! `wildfire why`.
 
 use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use clap::Args;
 
 use crate::cli::args::{ScenarioArguments, SeededArguments, jobs_or_all, parse_jobs};
+use crate::cli::batch::{SeedsArgument, parse_seeds, play_plan};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::output_files;
@@ -21,9 +23,19 @@ use wildfire_base::object;
 use wildfire_base::time::SimTime;
 use wildfire_batch::decisions::{DecisionTally, JudgeError, JudgeProgress, SelectedDecisions, judge_batch};
 use wildfire_batch::execute::{DECISIONS_PARQUET, limit_threads};
+use wildfire_batch::plan::BatchRequest;
 use wildfire_batch::table::FinishedBatch;
+use wildfire_scenario::ScenarioText;
 use wildfire_sim::RunOptions;
 use wildfire_timeline::AgentId;
+
+/// The parts of CreditBench: a name, a plan, and the number of decisions of each run that are judged.
+const CREDIT_BENCH: [(&str, &str, usize); 2] = [
+    ("solo", include_str!("../../assets/credit/solo.toml"), 60),
+    ("team", include_str!("../../assets/credit/team.toml"), 3),
+];
+const CREDIT_BENCH_CHOICES: usize = 10;
+const CREDIT_BENCH_FUTURES: u32 = 8;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -32,12 +44,14 @@ Examples:
   wildfire why contest --seed 7 --agent unimog/0 --from 600 --to 900
   wildfire why contest --seed 7 --agent wumpus/0 --json > worth.json
   wildfire why runs/fleets --sample 5
+  wildfire why --bench credit --seeds 1..2
 
 The run is forked before each decision and goes on with every other choice there was, in
 several futures: what is left to chance afterwards is drawn again, alike for all choices.
 
 Without --seed all runs of the folder of a batch are judged, and decisions.parquet in it gets a row for each
-choice that was not taken; `batch --why` does the same when its runs are done.")]
+choice that was not taken; `batch --why` does the same when its runs are done. --bench makes
+CreditBench: runs of the program's own plans, judged.")]
 pub struct WhyArguments {
     #[command(flatten)]
     pub run: SeededArguments,
@@ -59,6 +73,12 @@ pub struct WhyArguments {
     /// Play each choice in at most so many futures.
     #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
+    /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo and DIR/team.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "sample", "choices", "futures", "json"])]
+    pub bench: Option<PathBuf>,
+    /// Play only these seeds of CreditBench [default: 1..32].
+    #[arg(long, requires = "bench", allow_hyphen_values = true, value_parser = parse_seeds)]
+    pub seeds: Option<SeedsArgument>,
     /// Number of threads [default: the number of processors].
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
@@ -93,6 +113,9 @@ fn selection(arguments: &WhyArguments) -> SelectedDecisions {
 pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
     limit_threads(jobs_or_all(arguments.jobs));
+    if let Some(folder) = &arguments.bench {
+        return make_credit_bench(folder, arguments, context);
+    }
     let source = source_of_runs(name, overrides, arguments.run.memory.memory, context)?;
     // Without a seed a folder of a batch means all of its runs.
     if let (Source::Batch { batch, options, .. }, None) = (&source, arguments.run.seed) {
@@ -126,6 +149,23 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     progress.end();
     let report = judged.map_err(CliError::run_failed)?;
     terminal::print(&arguments.form.render(&report))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Plays and judges the runs of CreditBench, each part in a folder of its own.
+fn make_credit_bench(folder: &Path, arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    for (name, text, decisions) in CREDIT_BENCH {
+        let text = ScenarioText::from_bytes(&format!("{name}.toml"), Ok(text.as_bytes().to_vec()))?;
+        let mut request = BatchRequest::from_text(&text)?.expect("it is a plan");
+        if let Some(seeds) = &arguments.seeds {
+            request.seeds = Some(seeds.seeds()?);
+        }
+        let batch = play_plan(request.resolve(false)?, &folder.join(name), jobs_or_all(arguments.jobs), context)?;
+        let choices = CREDIT_BENCH_CHOICES;
+        let selection = SelectedDecisions { choices, futures: CREDIT_BENCH_FUTURES, ..SelectedDecisions::sample(decisions) };
+        let options = context.run_options(false, batch.plan().memory);
+        judge_runs(&batch, &selection, &options, arguments.form, context)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

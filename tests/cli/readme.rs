@@ -252,6 +252,7 @@ hold! {
     command_line: "docs/command-line.md", pictures below 0;
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
     costs: "docs/costs.md", pictures below 0;
+    credit: "docs/credit.md", pictures below 0;
     crown_fire: "docs/crown-fire.md", pictures below 0;
     initial_attack: "docs/initial-attack.md", pictures below 0;
     curves: "docs/curves.md", pictures below 60_000;
@@ -272,6 +273,7 @@ hold! {
     maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
+    paper: "docs/paper.md", pictures below 40_000;
     pieces: "docs/pieces.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
     play: "docs/play.md", pictures below 0;
@@ -280,6 +282,7 @@ hold! {
     recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
     stability: "docs/stability.md", pictures below 0;
+    study: "docs/study.md", pictures below 400_000;
     together: "docs/together.md", pictures below 0;
     train: "docs/train.md", pictures below 40_000;
     watch: "docs/watch.md", pictures below 3_000_000;

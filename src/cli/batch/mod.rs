@@ -132,6 +132,22 @@ pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitC
     Ok(exit_code(report.not_done() + left_out))
 }
 
+/// Plays all runs of a plan in a new folder, and writes their tables.
+pub fn play_plan(
+    plan: BatchPlan,
+    folder: &Path,
+    jobs: usize,
+    context: &CommandContext,
+) -> Result<FinishedBatch, CliError> {
+    let batch = Batch::begin(plan, OutputFolder::named(folder, false)?)?;
+    let resume = resume_command(batch.folder().path(), Slice::WHOLE);
+    let from_batch = |error| CliError::from_batch_error(error, &resume);
+    let stop = Arc::new(AtomicBool::new(false));
+    let played = run_with_progress(batch, jobs, &stop, context).map_err(from_batch)?;
+    played.batch.finish(&stop).map_err(from_batch)?;
+    Ok(FinishedBatch::open(folder)?)
+}
+
 /// Makes the plan of a course.
 fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan, CliError> {
     let request = CourseRequest {

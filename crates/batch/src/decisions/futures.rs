@@ -23,6 +23,9 @@ const FEWEST_FUTURES: u32 = 4;
 /// A difference that surely is below this, in bushes, is settled.
 const NOTHING: f64 = 0.5;
 
+/// The distance of bushes that count as near, in metres: as far as fire spreads in the contest.
+const NEAR_M: f64 = 30.0;
+
 /// Pieces of work for each thread, so that none waits long for the others.
 const PIECES_A_THREAD: usize = 4;
 
@@ -41,10 +44,24 @@ pub struct SelectedDecisions {
     pub futures: u32,
 }
 
+/// The surroundings of a cell just before a decision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellFeatures {
+    /// How long it has burned, in seconds; 0 if it does not burn yet.
+    pub burning_s: f64,
+    /// Bushes within [`NEAR_M`] that can burn, and that do, itself left out.
+    pub intact_near: u64,
+    pub burning_near: u64,
+    /// From the nearest truck other than the one that decides to the cell, in metres; `None` without another truck.
+    pub other_truck_m: Option<f64>,
+}
+
 /// A choice that an agent had and did not take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlternativeAction {
     pub cell: Cell,
+    /// Known once it has been played.
+    pub features: Option<CellFeatures>,
     /// By how many bushes the agent's side would have done better, by future.
     pub gains: Vec<f64>,
     /// Their mean and its interval, over all rounds; without an interval all are equal.
@@ -61,6 +78,9 @@ pub struct DecisionValue {
     pub decision: Decision,
     /// Where the agent set out for; `None` if it stayed.
     pub selected: Option<Cell>,
+    pub selected_features: Option<CellFeatures>,
+    /// Bushes that are lost with the agent's own choice, by future.
+    pub losses: Vec<f64>,
     /// By mean, the best first.
     pub others: Vec<AlternativeAction>,
 }
@@ -186,7 +206,13 @@ impl SelectedDecisions {
             let cells = nearest_options(decision, run.fires().frame(), selected).into_iter();
             // The choice that was taken is one of those played.
             let others = cells.take(self.choices.saturating_sub(1)).map(AlternativeAction::new).collect();
-            decisions.push(DecisionValue { decision: decision.clone(), selected, others });
+            decisions.push(DecisionValue {
+                decision: decision.clone(),
+                selected,
+                selected_features: None,
+                losses: Vec::new(),
+                others,
+            });
         }
         let count = decisions.len();
         match self.sample {
@@ -222,11 +248,12 @@ impl CounterfactualRunner {
 
     /// Plays the choices of a decision, which is not earlier than the last, in some futures.
     fn play_round(&mut self, worth: &mut DecisionValue, futures: Range<u32>) -> Result<(), RunError> {
-        let DecisionValue { decision, others, .. } = worth;
-        // Before time 0 there is no instant to stop at.
+        let DecisionValue { decision, selected, selected_features, losses, others } = worth;
         if decision.time > SimTime::ZERO {
             self.before.advance_to(decision.time - SimTime::from_nanos(1));
         }
+        *selected_features = selected.map(|cell| self.features(decision, cell));
+        others.iter_mut().for_each(|other| other.features = Some(self.features(decision, other.cell)));
         // The decision of a random policy was drawn before the future begins.
         let kept = match decision.choice {
             Action::Go(cell) => Some(cell),
@@ -237,6 +264,7 @@ impl CounterfactualRunner {
         for future in futures {
             // Choices are compared in one future, so that their difference is theirs and not that of the luck in it.
             let lost = self.play(decision, kept, future)?;
+            losses.push(lost);
             for other in others.iter_mut() {
                 other.gains.push(sign * (lost - self.play(decision, Some(other.cell), future)?));
             }
@@ -244,6 +272,32 @@ impl CounterfactualRunner {
         others.iter_mut().for_each(AlternativeAction::sum_up);
         others.sort_by(|a, b| b.mean.total_cmp(&a.mean));
         Ok(())
+    }
+
+    /// Looks at a cell that the agent may go for, in the run before the decision.
+    fn features(&self, decision: &Decision, cell: Cell) -> CellFeatures {
+        let fires = self.before.fires();
+        let frame = fires.frame();
+        let place = frame.centre(cell);
+        let reach = (NEAR_M / frame.cell_m) as u16;
+        let mut near = [0, 0];
+        for row in cell.row.saturating_sub(reach)..=(cell.row + reach).min(frame.rows - 1) {
+            for col in cell.col.saturating_sub(reach)..=(cell.col + reach).min(frame.cols - 1) {
+                let other = Cell { col, row };
+                if other != cell && fires.is_bush(other) && (frame.centre(other) - place).length() <= NEAR_M {
+                    near[0] += u64::from(fires.can_burn(other));
+                    near[1] += u64::from(fires.is_burning(other));
+                }
+            }
+        }
+        let trucks = self.before.agents().into_iter();
+        let others = trucks.filter(|agent| agent.id.role.suppresses() && agent.id != decision.agent.id);
+        CellFeatures {
+            burning_s: fires.ignited_at(cell).map_or(0.0, |ignited| (decision.time - ignited).as_seconds()),
+            intact_near: near[0],
+            burning_near: near[1],
+            other_truck_m: others.map(|agent| (agent.place - place).length()).reduce(f64::min),
+        }
     }
 
     /// Plays one future, in which the agent goes for a cell if one is named, and returns what is lost.
@@ -261,7 +315,7 @@ impl CounterfactualRunner {
 
 impl AlternativeAction {
     fn new(cell: Cell) -> Self {
-        Self { cell, gains: Vec::new(), mean: 0.0, interval: None, p_value: 1.0, p_adjusted: 1.0 }
+        Self { cell, features: None, gains: Vec::new(), mean: 0.0, interval: None, p_value: 1.0, p_adjusted: 1.0 }
     }
 
     /// Computes mean, interval and p-value of the gains so far, for one of the [`ROUNDS`].

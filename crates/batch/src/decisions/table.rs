@@ -50,10 +50,33 @@ pub const DECISION_COLUMNS: &[DecisionColumn] = columns! { DecisionColumn, row;
     choice_col: Count None "column of the other cell" = u64::from(row.choice.cell.col);
     choice_row: Count None "row of the other cell" = u64::from(row.choice.cell.row);
     choice_distance_m: Real Metres "straight distance from the agent to the other cell" = row.metres.1;
+    chosen_burning_s: optional Real Seconds "how long the cell that it set out for has burned"
+        = row.worth.selected_features.map(|cell| cell.burning_s);
+    chosen_intact_near: optional Count None "bushes that can burn within 30 m of that cell"
+        = row.worth.selected_features.map(|cell| cell.intact_near);
+    chosen_burning_near: optional Count None "burning bushes within 30 m of that cell"
+        = row.worth.selected_features.map(|cell| cell.burning_near);
+    chosen_other_truck_m: optional Real Metres "distance from the nearest other truck to that cell"
+        = row.worth.selected_features.and_then(|cell| cell.other_truck_m);
+    choice_burning_s: optional Real Seconds "how long the other cell has burned" = row.choice.features.map(|cell| cell.burning_s);
+    choice_intact_near: optional Count None "bushes that can burn within 30 m of the other cell"
+        = row.choice.features.map(|cell| cell.intact_near);
+    choice_burning_near: optional Count None "burning bushes within 30 m of the other cell"
+        = row.choice.features.map(|cell| cell.burning_near);
+    choice_other_truck_m: optional Real Metres "distance from the nearest other truck to the other cell"
+        = row.choice.features.and_then(|cell| cell.other_truck_m);
+    chosen_lost: Real None "bushes lost with the agent's own choice, mean over futures"
+        = Series::from_values(&row.worth.losses).mean().unwrap_or(0.0);
     futures: Count None "number of futures in which both were played" = row.choice.gains.len() as u64;
     gain: Real None "bushes by which the agent's side does better with the other cell, mean over futures" = row.choice.mean;
     gain_standard_error: Real None "standard error of that mean"
         = Series::from_values(&row.choice.gains).standard_error().unwrap_or(0.0);
+    gain_low: optional Real None "lower end of the 95 % interval of that mean; none if all gains are equal"
+        = row.choice.interval.map(|interval| interval.low);
+    gain_high: optional Real None "its upper end" = row.choice.interval.map(|interval| interval.high);
+    first_gain: Real None "gain in the first of these futures" = row.choice.gains.first().copied().unwrap_or(0.0);
+    half_gain: Real None "mean gain in the first half of these futures, rounded down"
+        = Series::from_values(&row.choice.gains[..row.choice.gains.len() / 2]).mean().unwrap_or(0.0);
     p_adjusted: Real None "p-value of the gain, adjusted for all choices of the run (Holm)" = row.choice.p_adjusted;
     is_mistake: Flag None "whether another choice than that of the agent is significantly better" = row.worth.better().is_some();
 };

@@ -26,6 +26,7 @@ mod policy;
 mod rollout;
 #[cfg(test)]
 mod samples;
+mod sight;
 mod team;
 mod threat;
 mod threat_first;
@@ -38,5 +39,6 @@ pub use nearest_by_drive::NearestByDrive;
 pub use nearest_savable::NearestSavable;
 pub use of_scenario::{DispatchRules, policy_of};
 pub use rollout::Rollout;
+pub use sight::TeamSight;
 pub use team::{AS_GOOD_M, Assignment, Fire, Intact, StagingRule, Team, TeamRules, TeamTruck, WAY_FACTOR};
 pub use threat_first::ThreatFirst;

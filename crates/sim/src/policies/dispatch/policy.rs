@@ -5,12 +5,13 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::of_scenario::DispatchRules;
+use super::sight::TeamSight;
 use super::team::{Assignment, Fire, Intact, Team, TeamRules, TeamTruck};
 use crate::policies::{Action, AgentView, Observation, Policy, PolicyScope};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::{BushState, FireField};
-use wildfire_scenario::{Sight, SightOfField};
+use wildfire_scenario::Sight;
 use wildfire_timeline::{Activity, AgentId, WaterRules};
 
 /// The members of a team and what it knows throughout a run.
@@ -84,7 +85,7 @@ impl Policy for DispatchPolicy {
                 // What it went for is not worth it any more.
                 (None, None, Some(_)) => Action::Move(truck.place),
                 // A report changes no cell, so nothing would wake the team when it comes.
-                (None, None, None) => knowledge.next_report().map_or(Action::Wait, Action::WaitUntil),
+                (None, None, None) => knowledge.sight.next_report().map_or(Action::Wait, Action::WaitUntil),
             };
             Some((id, choice))
         };
@@ -150,43 +151,18 @@ struct FleetKnowledge<'a> {
     now: SimTime,
     fires: &'a FireField,
     agents: &'a [AgentView],
-    /// Where the trucks are.
-    eyes: Vec<DVec2>,
+    sight: TeamSight<'a>,
 }
 
 impl<'a> FleetKnowledge<'a> {
     fn new(site: &'a FleetContext, seen: &Observation<'a>) -> Self {
-        let trucks = seen.agents.iter().filter(|agent| agent.id.role.suppresses());
-        let eyes = trucks.map(|truck| truck.place).collect();
-        Self { site, now: seen.now, fires: seen.fires, agents: seen.agents, eyes }
-    }
-
-    fn sees(&self, place: DVec2) -> bool {
-        let Sight { field, radius_m, .. } = self.site.sight;
-        field != SightOfField::Radius
-            || self.eyes.iter().any(|eye| (place - *eye).length_squared() <= radius_m * radius_m)
-    }
-
-    /// Returns when a burning cell is reported.
-    fn reported_at(&self, cell: Cell) -> Option<SimTime> {
-        let Some(BushState::Burning { since }) = self.fires.state(cell) else { return None };
-        self.site.sight.report_s.map(|report_s| since + SimTime::from_seconds(report_s))
-    }
-
-    /// Returns whether the state of a cell is seen, or reported.
-    fn knows(&self, cell: Cell) -> bool {
-        self.sees(self.site.frame.centre(cell)) || self.reported_at(cell).is_some_and(|time| time <= self.now)
-    }
-
-    /// Returns the time of the next report of a fire that is not known yet.
-    fn next_report(&self) -> Option<SimTime> {
-        let unknown = self.fires.burning().filter(|&cell| !self.knows(cell));
-        unknown.filter_map(|cell| self.reported_at(cell)).min()
+        let sight = TeamSight::new(&site.sight, &site.frame, seen.now, seen.fires, seen.agents);
+        Self { site, now: seen.now, fires: seen.fires, agents: seen.agents, sight }
     }
 
     fn team(&self, queried: &[AgentId]) -> Team<'_> {
-        let FleetContext { end, frame, rules, sight, water, trucks, .. } = self.site;
-        let wumpuses = self.agents.iter().filter(|agent| sight.wumpuses && agent.id.role.lights());
+        let FleetContext { end, frame, rules, water, trucks, .. } = self.site;
+        let wumpuses = self.agents.iter().filter(|agent| agent.id.role.lights() && self.sight.sees_agent(agent));
         let trucks = trucks.iter().filter_map(|truck| {
             let view = self.agents.iter().find(|agent| agent.id == truck.id)?;
             Some(TeamTruck {
@@ -210,7 +186,7 @@ impl<'a> FleetKnowledge<'a> {
             fires: self.seen_fires(),
             trucks: trucks.collect(),
             intact: self,
-            wumpuses: wumpuses.map(|wumpus| wumpus.place).filter(|&place| self.sees(place)).collect(),
+            wumpuses: wumpuses.map(|wumpus| wumpus.place).collect(),
             water: water.as_ref(),
         };
         // A truck that is out of water is one that will be free when it has filled its tank.
@@ -240,7 +216,7 @@ impl<'a> FleetKnowledge<'a> {
             // A fire that has spread already threatens nothing more.
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
-            (self.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
+            (self.sight.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
         };
         self.fires.burning().filter_map(fire).collect()
     }
@@ -248,15 +224,7 @@ impl<'a> FleetKnowledge<'a> {
 
 impl Intact for FleetKnowledge<'_> {
     fn is_intact(&self, cell: Cell) -> bool {
-        if !self.fires.is_bush(cell) {
-            return false;
-        }
-        match self.site.sight.field {
-            SightOfField::Everything => self.fires.can_burn(cell),
-            SightOfField::Burning => !self.fires.is_burning(cell),
-            // Of what is out of sight there is the map.
-            SightOfField::Radius => !self.knows(cell) || self.fires.can_burn(cell),
-        }
+        self.sight.takes_for_intact(cell)
     }
 
     fn bushes(&self) -> Arc<[Cell]> {
@@ -270,6 +238,7 @@ mod tests {
 
     use super::*;
     use wildfire_base::geometry::Pose;
+    use wildfire_scenario::SightOfField;
 
     const FRAME: FieldFrame = FieldFrame { cols: 40, rows: 10, cell_m: 5.0 };
     const NEAR: Cell = Cell { col: 2, row: 2 };
