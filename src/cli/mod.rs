@@ -24,6 +24,7 @@ mod fork;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
+mod grade;
 mod interrupt;
 mod judge;
 mod lessons;
@@ -70,6 +71,7 @@ use error::CliError;
 use export::ExportArguments;
 use fire::FireCommand;
 use fork::ForkArguments;
+use grade::GradeArguments;
 use judge::JudgeArguments;
 use lessons::LessonsArguments;
 use map::MapCommand;
@@ -153,6 +155,8 @@ pub enum Command {
         #[command(subcommand)]
         command: ArenaCommand,
     },
+    /// Grade an entry of a course: points for tests and for its score, as course platforms read them.
+    Grade(GradeArguments),
     /// Rerun up to a time, then change a decision, a policy or a planner.
     Fork(ForkArguments),
     /// Judge the decisions of a run: what every other choice would have cost or saved.
@@ -247,6 +251,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Compare(compare) => compare::run(compare, arguments.quiet),
         Command::Rank(rank) => rank::run(rank, &context.with_trust(rank.trust)),
         Command::Arena { command } => arena::run(command, context),
+        Command::Grade(grade) => grade::run(grade, context),
         Command::Fork(fork) => fork::run(fork, &context.with_programs(&fork.run.scenario.programs)),
         Command::Why(why) => why::run(why, &context.with_programs(&why.run.scenario.programs)),
         Command::Attain(attain) => attain::run(attain, &context.with_programs(&attain.scenario.programs)),

@@ -1,4 +1,4 @@
-//! Courses: `wildfire batch --rules --agent`, and the ranking of what it leaves.
+//! Courses: `wildfire batch --rules --entry`, and the ranking of what it leaves.
 
 use std::fs;
 
@@ -32,7 +32,7 @@ fn course() -> Story {
     story
 }
 
-const BATCH: [&str; 7] = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "cem.toml"];
+const BATCH: [&str; 7] = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "ben.toml", "cem.toml"];
 
 fn with<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     [&BATCH[..], arguments].concat()
@@ -110,7 +110,7 @@ fn entries_may_differ_in_whatever_the_rules_free() {
     for (name, goal) in [("anna", "random-intact"), ("ben", "nearest-intact")] {
         story.file(&format!("{name}.toml"), &format!("[wumpus]\ngoal = \"{goal}\"\n"));
     }
-    let rules = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "--out", "course"];
+    let rules = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "ben.toml", "--out", "course"];
     story.tell(&rules).expect_code(0);
     story.tell(&["rank", "course", "--metric", "wumpus_score", "--better", "higher"]).expect_code(0);
     // Who did not play by these rules may not differ in it.
@@ -181,7 +181,7 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
     );
     fs::remove_file(story.path("ben.toml")).expect("it is there");
     refuse(&story, &with(&["--out", "course"]), &["ben.toml: the file does not exist"]);
-    refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is named twice"]);
+    refuse(&story, &["batch", "--rules", "rules.toml", "--entry", "anna.toml", "anna.toml"], &["it is named twice"]);
 }
 
 /// A program of the shell that has no path for anybody, and whose greeting is in a file beside it.
@@ -205,7 +205,7 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     story.file("dora/greeting.json", "{\"type\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"version\":\"1\"}\n");
     let table = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\nquery_cpu_s = 0.5\n";
     story.file("dora/dora.toml", table);
-    let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
+    let batch = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
     let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
     // What a ranking would refuse is refused before the first run.
     let unequal = "dora/dora.toml: its `unimog.rescue` is false, but true in anna; expected [scenario] in rules.toml";
@@ -243,7 +243,7 @@ fn course_with_program(program: &str, limits: &str) -> Story {
 #[test]
 fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
     let story = course_with_program(SILENT, "seconds_per_expansion = 0.01\nexpansions_per_query = 300");
-    let batch = ["batch", "--rules", "rules.toml", "--agent", "ben.toml", "dora.toml", "--out", "course", "--trust"];
+    let batch = ["batch", "--rules", "rules.toml", "--entry", "ben.toml", "dora.toml", "--out", "course", "--trust"];
     story.tell(&batch).expect_code(0);
     let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
     for variant in plan["variants"].as_array().expect("a list") {
@@ -278,7 +278,7 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
     let story = course_with_program(&late, "query_limit_s = 0.02");
     let out = ["--seeds", "1..2", "--trust", "--out"];
     let batch = |folder: &'static str, entries: &[&'static str], form: &[&'static str]| {
-        let rules = ["batch", "--rules", "rules.toml", "--agent"];
+        let rules = ["batch", "--rules", "rules.toml", "--entry"];
         story.tell(&[&rules[..], entries, &out[..], &[folder], form].concat()).expect_code(0).stdout
     };
     let sentence = "Outcomes depend on this machine: ";
@@ -425,7 +425,7 @@ fn whole_scenarios_of_rules_have_nothing_of_others() {
     let lines: Vec<&str> = smoke.lines().filter(|line| !line.starts_with('#')).collect();
     let rules = format!("free = ['unimog.planner']\nseeds = '1..3'\n[scenario]\n{}\n", lines.join("\n"));
     story.file("rules.toml", &rules);
-    story.tell(&["batch", "--rules", "rules.toml", "--agent", "anna.toml", "--out", "whole"]).expect_code(0);
+    story.tell(&["batch", "--rules", "rules.toml", "--entry", "anna.toml", "--out", "whole"]).expect_code(0);
     story.tell(&["batch", "smoke", "--planner", "prm+primitives", "--seeds", "1..3", "--out", "plain"]).expect_code(0);
     let without_entry = |folder: &str| {
         let rows = outcomes(&story.path(&format!("{folder}/runs.csv")));

@@ -24,6 +24,8 @@ pub struct Launch {
     pub command: Vec<OsString>,
     /// The folder in which it works.
     pub folder: PathBuf,
+    /// True if it runs behind walls where the system has them.
+    pub is_sandboxed: bool,
     /// Wall time from its start to `ready`, and CPU time if that of queries is limited.
     pub start_limit: Duration,
     /// Wall time of a query.
