@@ -1,6 +1,6 @@
 //! `wildfire grade`: marks for an entry of a course.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
@@ -74,8 +74,8 @@ pub fn run(arguments: &GradeArguments, context: &CommandContext) -> Result<ExitC
     let options = context.registry.clone().into();
     let grade = plan.play(&options, jobs_or_all(arguments.play.jobs), || progress.advance())?;
     progress.end();
-    let write = |path: &Path| write_whole(path, form(&grade, arguments.platform).as_bytes());
-    write_all(&[(arguments.json_out.as_deref(), &write)], context.quiet)?;
+    let text = form(&grade, arguments.platform);
+    write_all(&[(arguments.json_out.as_deref(), &|path| write_whole(path, text.as_bytes()))], context.quiet)?;
     stream.print(&arguments.form.render(&grade))?;
     Ok(match () {
         () if grade.is_refused => ExitCode::from(exit::BAD_INPUT),

@@ -56,6 +56,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::builder::FalseyValueParser;
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 
 use arena::ArenaCommand;
@@ -88,6 +89,7 @@ use why::WhyArguments;
 
 use wildfire_base::untrusted::visible;
 use wildfire_batch::plan::LONG_VERSION;
+use wildfire_scenario::nearest_name;
 use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::supervisor;
@@ -229,9 +231,31 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
 fn refuse(args: &[OsString], error: &clap::Error) -> ! {
     let args = args.iter().map(|word| visible(&word.to_string_lossy()).into_owned());
     match Arguments::try_parse_from(args) {
-        Err(same) if same.kind() == error.kind() => same.exit(),
+        Err(same) if same.kind() == error.kind() => without_misleading_tips(same).exit(),
         _ => error.exit(),
     }
+}
+
+/// Leaves out tips that lead astray: other options that merely share some letters, such as `--trust` in place of `--rules`,
+/// and the advice to pass an unknown option as a value.
+fn without_misleading_tips(mut error: clap::Error) -> clap::Error {
+    let named = [ContextKind::InvalidArg, ContextKind::SuggestedArg].map(|kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        _ => String::new(),
+    });
+    let [unknown, suggested] = named;
+    if unknown.starts_with("--") {
+        error.remove(ContextKind::Suggested);
+    }
+    if nearest_name(&unknown, [&suggested[..]]).is_none() || !has_common_start(&unknown, &suggested) {
+        error.remove(ContextKind::SuggestedArg);
+    }
+    error
+}
+
+/// Says whether two options begin with the same two letters.
+fn has_common_start(one: &str, other: &str) -> bool {
+    one.bytes().zip(other.bytes()).take_while(|(one, other)| one == other).count() >= "--ab".len()
 }
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {

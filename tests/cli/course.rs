@@ -408,7 +408,7 @@ fn rules_that_cannot_be_used_are_refused() {
     fs::remove_dir_all(story.path("secret")).expect("it is there");
     story.tell(&with(&["--seeds", "1..2", "--dry-run"])).expect_code(0);
     refuse(&story, &["batch", "--agent", "anna.toml"], &["--rules"]);
-    refuse(&story, &["batch", "--rules", "rules.toml"], &["--agent"]);
+    refuse(&story, &["batch", "--rules", "rules.toml"], &["--entry"]);
     refuse(&story, &with(&["--set", "fire.relight=true"]), &["cannot be used with"]);
     fs::remove_file(story.path("rules.toml")).expect("it is there");
     refuse(&story, &with(&["--out", "course"]), &["rules.toml: the file does not exist"]);
@@ -453,25 +453,75 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     refuse(&story, &["new", "assignment", "logic"], &["logic already exists"]);
     refuse(&story, &["new", "assignment"], &["an assignment needs a folder"]);
 
-    story.tell(&[&batch[..], &["--seeds", "1..4"]].concat()).expect_code(0);
+    story.tell(&[&batch[..], &["--seeds", "100001..100004"]].concat()).expect_code(0);
     story.tell(&rank.split(' ').collect::<Vec<_>>()).expect_code(0);
     let sheet = story.read("runs/sheets/ben.md");
     for fragment in
-        ["# ben: rank ", "Difference from the first: -", "| budget spent |", "wildfire render arena --seed "]
+        ["# ben: rank ", "Difference from the first: -", "| budget spent |", "--entry entry.toml --seeds 1..20"]
     {
         assert!(sheet.contains(fragment), "`{fragment}` is missing:\n{sheet}");
     }
-    // The worst runs are those of the table, and the commands make pages.
+    for secret in ["10000", "anna", "cem", "logic"] {
+        assert!(!sheet.contains(secret), "`{secret}` is for the instructor:\n{sheet}");
+    }
+    // The worst runs are those of the table, and the instructor's commands make pages.
     let rows = outcomes(&story.path("runs/course/runs.csv"));
     let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
     let runs = rows[1..].iter().filter(|row| row[column("entry")] == "ben");
     let saved = |row: &[String]| ["intact", "extinguished"].map(|name| row[column(name)].parse::<u32>().unwrap());
     let worst = runs.min_by_key(|row| saved(row).iter().sum::<u32>()).expect("it has runs");
     let seed = &worst[column("seed")];
-    let command = sheet.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
+    let number: u32 = seed.trim_start_matches("10000").parse().expect("a digit");
+    assert!(sheet.contains(&format!("| {number} | ")), "{sheet}\n{worst:?}");
+    let instructor = story.read("runs/sheets/instructor.md");
+    let of_ben = instructor.split("## ben").nth(1).expect("there is such a heading");
+    let command =
+        of_ben.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
     assert!(command.contains(&format!("--seed {seed} ")), "{command}\n{worst:?}");
     let made = output_of(&mut story.shell(&format!("\"$0\" render {command}")));
     assert!(made.status.success() && story.path(&format!("seed-{seed}.html")).exists());
+}
+
+/// A program that changes the files of the batch where no sandbox keeps it from that: its runs fail by its name, and the others
+/// stay as they were.
+#[cfg(unix)]
+#[test]
+fn program_that_changes_files_of_the_batch_costs_its_own_runs() {
+    for (attack, part) in [
+        ("echo lie >> $J", "runs.journal: it has "),
+        ("sed -i s/anna/emma/ $J", "runs.journal: "),
+        ("perl -pi -e 's/anna/emma/' $J; truncate -s 0 $J", "runs.journal: "),
+        ("rm -r $J ${J%/*}/plan.json", "plan.json was changed"),
+    ] {
+        let story = course_with_program(SILENT, "restarts = 0");
+        let journal = story.path("course/runs.journal").display().to_string();
+        let attack =
+            attack.replace("$J", &journal).replace(&format!("${{J%/*}}"), &story.path("course").display().to_string());
+        story.file("silent.sh", &SILENT.replacen('\n', &format!("\n{attack}\n"), 1));
+        // Without a sandbox, as on machines that have none.
+        let empty = story.path("no-bubblewrap");
+        fs::create_dir(&empty).expect("writable");
+        story.file("no-bubblewrap/bwrap", "#!/bin/sh\nexit 1\n");
+        let script = format!(
+            "chmod +x no-bubblewrap/bwrap; PATH={}:$PATH \"$0\" batch --rules rules.toml --entry anna.toml dora.toml ben.toml --trust --out course",
+            empty.display()
+        );
+        let made = output_of(&mut story.shell(&script));
+        let stderr = String::from_utf8_lossy(&made.stderr);
+        assert_eq!(made.status.code(), Some(1), "{attack}: {stderr}");
+        assert!(stderr.contains("without a sandbox"), "{stderr}");
+        let rows = outcomes(&story.path("course/runs.csv"));
+        let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+        for row in &rows[1..] {
+            let is_dora = row[column("entry")] == "dora";
+            assert_eq!(row[column("status")] == "failed", is_dora, "{attack}: {row:?}");
+            let message = &row[column("message")];
+            assert!(!is_dora || message.contains("its program changed files") && message.contains(part), "{message}");
+        }
+        assert_eq!(rows.len(), 1 + 3 * 5);
+        let ranking = story.tell(&["rank", "course"]).expect_code(0).stdout;
+        assert!(ranking.contains("dora: 5 of 5 runs failed; the first: its program changed"), "{ranking}");
+    }
 }
 
 #[test]

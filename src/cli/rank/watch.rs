@@ -50,21 +50,26 @@ struct FoundTable {
     written: Option<SystemTime>,
 }
 
+impl FoundTable {
+    fn new(path: PathBuf) -> Self {
+        Self { written: fs::metadata(&path).and_then(|it| it.modified()).ok(), path }
+    }
+}
+
 /// Finds the table of a batch, or those of the batches in a folder, in the order of their names. There may be none yet.
 fn tables_below(path: &Path) -> Vec<FoundTable> {
-    let table = |path: PathBuf| FoundTable { written: fs::metadata(&path).and_then(|it| it.modified()).ok(), path };
     if path.is_file() {
-        return vec![table(path.to_owned())];
+        return vec![FoundTable::new(path.to_owned())];
     }
     let own = path.join(RUNS_FILE);
     if own.is_file() {
-        return vec![table(own)];
+        return vec![FoundTable::new(own)];
     }
     let mut below: Vec<PathBuf> =
         fs::read_dir(path).into_iter().flatten().flatten().map(|it| it.path().join(RUNS_FILE)).collect();
     below.retain(|path| path.is_file());
     below.sort();
-    below.into_iter().map(table).collect()
+    below.into_iter().map(FoundTable::new).collect()
 }
 
 /// The ranking without what students must not read, or why there is none yet.

@@ -48,7 +48,6 @@ impl Grade {
     /// Returns what grading adds to Classroom 50's `result.json`. The members that identify the submission are known to the
     /// script that calls: `classroom`, `assignment`, `submission`, links and times. Points are whole numbers there.
     pub fn classroom50(&self) -> Value {
-        let whole = |points: f64| points.round() as i64;
         let tests: Vec<Value> = self
             .tests
             .iter()
@@ -56,24 +55,36 @@ impl Grade {
                 json!({
                     "test-name": test.name,
                     "passed": test.is_passed,
-                    "score": whole(test.points),
-                    "max-score": whole(test.max_points),
+                    "score": test.points.round() as i64,
+                    "max-score": test.max_points.round() as i64,
                     "output": test.output,
                 })
             })
             .collect();
-        let sum = |member: &str| tests.iter().filter_map(|test| test[member].as_i64()).sum::<i64>();
-        json!({ "schema": CLASSROOM50_SCHEMA, "score": sum("score"), "max-score": sum("max-score"), "tests": tests })
+        json!({
+            "schema": CLASSROOM50_SCHEMA,
+            "score": sum_of(&tests, "score"),
+            "max-score": sum_of(&tests, "max-score"),
+            "tests": tests,
+        })
     }
+}
+
+fn sum_of(tests: &[Value], member: &str) -> i64 {
+    tests.iter().filter_map(|test| test[member].as_i64()).sum()
+}
+
+fn points_text(points: f64) -> String {
+    short((points * 100.0).round() / 100.0)
 }
 
 impl From<&Grade> for Document {
     fn from(grade: &Grade) -> Self {
-        let points = |points: f64| short((points * 100.0).round() / 100.0);
-        let title = format!("{}: {} of {} points", grade.entry, points(grade.points), points(grade.max_points));
+        let title =
+            format!("{}: {} of {} points", grade.entry, points_text(grade.points), points_text(grade.max_points));
         let rows = grade.tests.iter().map(|test| {
             let passed = if test.is_passed { "yes" } else { "no" };
-            vec![test.name.clone(), passed.into(), points(test.points), points(test.max_points)]
+            vec![test.name.clone(), passed.into(), points_text(test.points), points_text(test.max_points)]
         });
         let table = Table { text_columns: 2, ..Table::new(&["Test", "Passed", "Points", "Of"], rows.collect()) };
         let reasons = grade.tests.iter().map(|test| format!("{}: {}", test.name, test.output));

@@ -124,10 +124,14 @@ impl GradePlan {
             let message = "it has no table [grading]; expected one with `marks` or `points`";
             GradeError::Rules(course_fault(&request.rules, None, message))
         })?;
-        let wrong_metric =
-            |reason: &str| GradeError::Rules(course_fault(&request.rules, None, &format!("grading: {reason}")));
-        let metric = Metric::of_outcomes(&rules.metric).map_err(|error| wrong_metric(&error.to_string()))?;
-        let better = metric.about.better.ok_or_else(|| wrong_metric("`metric` has no better side"))?;
+        let metric = Metric::of_outcomes(&rules.metric).map_err(|error| error.to_string());
+        let metric = metric.and_then(|metric| match metric.about.better {
+            Some(better) => Ok((metric, better)),
+            None => Err(format!("`{}` has no better side; expected a metric that has one", rules.metric)),
+        });
+        let (metric, better) = metric.map_err(|message| {
+            GradeError::Rules(course_fault(&request.rules, None, &format!("[grading]: {message}")))
+        })?;
         let seeds = match &request.seeds {
             Some(seeds) => seeds.clone(),
             None => course.seeds().map_err(GradeError::Rules)?,
@@ -135,17 +139,15 @@ impl GradePlan {
         let redaction = Redaction::new(seeds.iter());
         let entry_file = entry_file(&request.entry);
         let folder = request.rules.parent().unwrap_or(Path::new(""));
-        let path_of = |name: &String| if name.ends_with(".toml") { folder.join(name) } else { PathBuf::from(name) };
-        let baselines: Vec<PathBuf> = rules.baselines.iter().map(path_of).collect();
+        let baselines: Vec<PathBuf> = rules
+            .baselines
+            .iter()
+            .map(|name| if name.ends_with(".toml") { folder.join(name) } else { PathBuf::from(name) })
+            .collect();
         let plan = entry_file.map_err(|fault| vec![fault]).and_then(|entry| {
             let entries = [entry.clone()].into_iter().chain(baselines).collect();
             let course_request = CourseRequest { entries, seeds: Some(seeds), ..CourseRequest::default() };
-            let built_in: Vec<&String> = rules.baselines.iter().filter(|name| !name.ends_with(".toml")).collect();
-            let read = |path: &Path| match path.to_str().filter(|name| built_in.iter().any(|it| it == name)) {
-                Some(planner) => EntryFile::from_text(path, &format!("unimog.planner = \"{planner}\"")),
-                None => EntryFile::read(path),
-            };
-            match course_request.resolve_by(&course, &read, true) {
+            match course_request.resolve_by(&course, &|path| read_entry(path, &rules), true) {
                 Ok(found) => Ok(Ok(found.plan)),
                 Err(CourseRefusal::Entries(faults)) if faults.iter().all(|fault| fault.path == entry) => Err(faults),
                 Err(CourseRefusal::Entries(faults)) => {
@@ -234,27 +236,25 @@ impl GradePlan {
     /// Marks the runs of all variants, in the order of the plan.
     fn marked(&self, plan: &BatchPlan, played: &[GradedRun]) -> Grade {
         let groups = 1 + self.rules.baselines.len();
-        let (ours, others) = played.split_at(played.len() / groups);
+        let ours = &played[..played.len() / groups];
         let values = self.values(played);
-        let mean = |group: usize| {
-            let values = &values[group * ours.len()..][..ours.len()];
-            values.iter().sum::<f64>() / values.len() as f64
-        };
-        let score = mean(0);
-        let means = (1..groups).map(mean);
+        let mut means = values.chunks(ours.len()).map(|values| values.iter().sum::<f64>() / values.len() as f64);
+        let score = means.next().expect("the entry's runs come first");
         let points = self.rules.points;
         let runs = ours.len();
         let mut tests = vec![GradedTest::new(VALID, true, points.valid, "The entry follows the rules.".into())];
         tests.push(self.no_crash(ours));
         let first_violation = ours.iter().zip(1..).find_map(|(run, number)| Some((run.violation.as_ref()?, number)));
         let has_violation = first_violation.is_some();
+        // An entry that never plays has broken no rule and spent nothing, and earns nothing by that.
+        let finished = ours.iter().filter(|run| run.record.is_done()).count();
         let output = match first_violation {
-            None => format!("The audit of {} found no violation.", count(runs, "run")),
+            None => format!("The audit of {} found no violation.", count(finished, "finished run")),
             Some((violation, number)) => {
                 format!("Run {number} of {runs} violates a rule: {}.", self.redaction.of(violation))
             }
         };
-        tests.push(GradedTest::new(NO_VIOLATION, !has_violation, points.no_violation, output));
+        tests.push(GradedTest::new(NO_VIOLATION, finished > 0 && !has_violation, points.no_violation, output));
         let metric = &self.rules.metric;
         for (name, theirs) in self.rules.baselines.iter().zip(means) {
             let is_better = self.better.best_first(score, theirs).is_lt();
@@ -264,7 +264,7 @@ impl GradePlan {
         if let Some(max) = self.rules.max_expansions {
             let effort = ours.iter().map(GradedRun::effort).sum::<f64>() / runs as f64;
             let output = format!("{} expansions per run on average, at most {}.", rounded(effort, 0), short(max));
-            tests.push(GradedTest::new(EFFORT_WITHIN, effort <= max, points.effort, output));
+            tests.push(GradedTest::new(EFFORT_WITHIN, finished > 0 && effort <= max, points.effort, output));
         }
         if let Some(points) = self.rules.points_of(score) {
             let max_points = self.rules.max_points_of_score();
@@ -273,11 +273,10 @@ impl GradePlan {
             let output = format!("Mean {metric} over {}: {}{counted}.", count(runs, "run"), rounded(score, 2));
             tests.push(GradedTest { points, ..GradedTest::new(SCORE, points > 0.0, max_points, output) });
         }
-        debug_assert_eq!(others.len(), (groups - 1) * runs, "all entries play the same runs");
         Grade {
             score: Some(score),
             runs,
-            failed_runs: ours.iter().filter(|run| !run.record.is_done()).count(),
+            failed_runs: runs - finished,
             remarks: self.remarks(plan, ours, &values[..runs]),
             has_violation,
             ..self.grade(tests)
@@ -363,6 +362,15 @@ impl GradedRun {
 
     fn crashed_queries(&self) -> u64 {
         CRASHES.iter().filter_map(|&column| self.record.number(column)).sum::<f64>() as u64
+    }
+}
+
+/// Reads the file of an entry; that of a baseline that is a built-in planner need not exist.
+fn read_entry(path: &Path, rules: &GradingRules) -> Result<EntryFile, CourseError> {
+    let mut built_in = rules.baselines.iter().filter(|name| !name.ends_with(".toml"));
+    match built_in.find(|name| path.as_os_str() == name.as_str()) {
+        Some(planner) => EntryFile::from_text(path, &format!("unimog.planner = \"{planner}\"")),
+        None => EntryFile::read(path),
     }
 }
 

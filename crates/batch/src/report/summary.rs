@@ -230,12 +230,13 @@ impl BatchReport {
         tables.collect()
     }
 
-    /// Returns notes on any variant, by its number: first why runs failed.
+    /// Returns notes on any variant, by its number or the name of its entry: first why runs failed.
     pub fn notes(&self) -> Vec<String> {
         let notes = self.variants.iter().enumerate().flat_map(|(index, variant)| {
             let reason = variant.tally.reason_of_failures();
             let notes = reason.into_iter().chain(variant.tally.note()).chain(variant.tally.machine_sentences());
-            notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
+            let name = variant.tally.entry.clone().unwrap_or_else(|| variant_number(index));
+            notes.map(move |note| format!("{name}: {note}")).collect::<Vec<_>>()
         });
         notes.collect()
     }

@@ -68,7 +68,6 @@ pub(super) struct GradingFault {
 impl GradingRules {
     /// Refuses values that give no points.
     pub(super) fn check(&self) -> Result<(), GradingFault> {
-        let fault = |key, message: &str| Err(GradingFault { key, message: message.to_owned() });
         let TestPoints { valid, no_crash, no_violation, baseline, effort } = self.points;
         if [valid, no_crash, no_violation, baseline, effort].iter().any(|points| !(0.0..=1e6).contains(points)) {
             return fault("points", "expected points from 0 to 1000000");
@@ -107,6 +106,10 @@ impl GradingRules {
     pub fn max_points_of_score(&self) -> f64 {
         self.marks.iter().fold(0.0, |most, row| most.max(row[1]))
     }
+}
+
+fn fault(key: &'static str, message: &str) -> Result<(), GradingFault> {
+    Err(GradingFault { key, message: message.to_owned() })
 }
 
 fn is_built_in_planner(name: &str) -> bool {
