@@ -316,7 +316,7 @@ impl OpenJournal {
 
     /// Writes the line of a run, and syncs it with all earlier lines if the oldest of them has waited long.
     pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         self.write(line)?;
         self.index.append(run, status, line);
         match self.unsynced.get_or_insert_with(WallStopwatch::start).elapsed() {
@@ -330,7 +330,7 @@ impl OpenJournal {
     /// # Errors
     /// If the disk cannot be written, or the journal is no longer as this process left it.
     pub fn sync_if_due(&mut self) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         match self.unsynced {
             Some(since) if since.elapsed() >= self.sync_every => self.sync(),
             _ => Ok(()),
@@ -339,7 +339,7 @@ impl OpenJournal {
 
     /// Syncs all lines to the disk.
     pub fn sync(&mut self) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         self.unsynced = None;
         self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
     }
@@ -372,6 +372,11 @@ impl OpenJournal {
         let FinalJournal { path, file, writer, .. } = home;
         (self.path, self.file, self.writer) = (path, file, writer);
         Ok(())
+    }
+
+    /// What guards restore, they need not refuse.
+    fn expect_unchanged_unless_guarded(&mut self) -> Result<(), JournalError> {
+        if self.guard.is_some() { Ok(()) } else { self.expect_unchanged() }
     }
 
     /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word. A second
