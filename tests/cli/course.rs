@@ -491,9 +491,10 @@ fn program_that_changes_files_of_the_batch_costs_its_own_runs() {
         ("echo lie >> $J", "runs.journal: it has "),
         ("sed -i s/anna/emma/ $J", "runs.journal: "),
         ("perl -pi -e 's/anna/emma/' $J; truncate -s 0 $J", "runs.journal: "),
-        ("rm -r $J ${J%/*}/plan.json", "plan.json was changed"),
+        ("rm -r $J", "removed or renamed"),
+        ("echo lie >> ${J%/*}/plan.json", "plan.json was changed"),
     ] {
-        let story = course_with_program(SILENT, "restarts = 0");
+        let story = course_with_program(SILENT, "");
         let journal = story.path("course/runs.journal").display().to_string();
         let attack =
             attack.replace("$J", &journal).replace(&format!("${{J%/*}}"), &story.path("course").display().to_string());
@@ -503,7 +504,7 @@ fn program_that_changes_files_of_the_batch_costs_its_own_runs() {
         fs::create_dir(&empty).expect("writable");
         story.file("no-bubblewrap/bwrap", "#!/bin/sh\nexit 1\n");
         let script = format!(
-            "chmod +x no-bubblewrap/bwrap; PATH={}:$PATH \"$0\" batch --rules rules.toml --entry anna.toml dora.toml ben.toml --trust --out course",
+            "chmod +x no-bubblewrap/bwrap; PATH={}:$PATH \"$0\" batch --rules rules.toml --entry anna.toml dora.toml ben.toml --seeds 3,4 --trust --out course",
             empty.display()
         );
         let made = output_of(&mut story.shell(&script));
@@ -518,9 +519,9 @@ fn program_that_changes_files_of_the_batch_costs_its_own_runs() {
             let message = &row[column("message")];
             assert!(!is_dora || message.contains("its program changed files") && message.contains(part), "{message}");
         }
-        assert_eq!(rows.len(), 1 + 3 * 5);
+        assert_eq!(rows.len(), 1 + 3 * 2);
         let ranking = story.tell(&["rank", "course"]).expect_code(0).stdout;
-        assert!(ranking.contains("dora: 5 of 5 runs failed; the first: its program changed"), "{ranking}");
+        assert!(ranking.contains("dora: 2 of 2 runs failed; the first: its program changed"), "{ranking}");
     }
 }
 

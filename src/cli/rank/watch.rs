@@ -1,4 +1,4 @@
-//! A page for the wall of a class: a ranking that is computed anew as batches finish.
+//! A page for the wall of a class: a ranking that is computed again as batches finish.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -61,9 +61,9 @@ fn tables_below(path: &Path) -> Vec<FoundTable> {
     if path.is_file() {
         return vec![FoundTable::new(path.to_owned())];
     }
-    let own = path.join(RUNS_FILE);
-    if own.is_file() {
-        return vec![FoundTable::new(own)];
+    let table = path.join(RUNS_FILE);
+    if table.is_file() {
+        return vec![FoundTable::new(table)];
     }
     let mut below: Vec<PathBuf> =
         fs::read_dir(path).into_iter().flatten().flatten().map(|it| it.path().join(RUNS_FILE)).collect();

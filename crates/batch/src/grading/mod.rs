@@ -375,7 +375,7 @@ fn read_entry(path: &Path, rules: &GradingRules) -> Result<EntryFile, CourseErro
     }
 }
 
-/// Finds the file of an entry that was handed in as a file or a folder.
+/// Finds the file of an entry that was submitted as a file or a folder.
 fn entry_file(path: &Path) -> Result<PathBuf, CourseError> {
     if !path.is_dir() {
         return Ok(path.to_owned());

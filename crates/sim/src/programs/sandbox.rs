@@ -83,15 +83,15 @@ mod tests {
 
     /// Where there are no walls, nothing is promised.
     #[test]
-    fn program_behind_walls_sees_its_own_folder_only_and_writes_nowhere() {
+    fn program_behind_walls_sees_only_its_folder_and_writes_nowhere() {
         let course = tempfile::tempdir().expect("writable");
-        let own = course.path().join("own");
-        fs::create_dir(&own).expect("writable");
+        let folder = course.path().join("entry");
+        fs::create_dir(&folder).expect("writable");
         fs::write(course.path().join("secret.csv"), "7\n").expect("writable");
-        fs::write(own.join("data.txt"), "data\n").expect("writable");
+        fs::write(folder.join("data.txt"), "data\n").expect("writable");
         let script = "cat data.txt; cat ../secret.csv; echo x > data.txt; echo x > /tmp/x; echo x > /dev/shm/x; ls /proc | grep -c '^[0-9]'";
         let command = ["sh", "-c", script].map(OsString::from);
-        let walled = sandboxed(&own, &command);
+        let walled = sandboxed(&folder, &command);
         if missing_note().is_some() {
             assert_eq!(walled, command);
             return;

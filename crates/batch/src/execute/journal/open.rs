@@ -274,7 +274,7 @@ impl OpenJournal {
                 .map_err(|source| BatchError::unwritable(&guard.plan_path, source))?;
         }
         let stamp = self.file.metadata().ok().map(|metadata| Stamp::new(&metadata));
-        // Some network file systems date files anew by themselves, so the lines decide.
+        // Some network file systems date files again by themselves, so the lines decide.
         let is_rewritten = stamp != guard.stamp && fs::read(&self.path).ok().as_ref() != Some(&guard.lines);
         let found = match self.expect_unchanged() {
             Err(JournalError::Changed { change, .. }) => Some(change),

@@ -104,7 +104,7 @@ impl GradingRules {
 
     /// Returns the most points that the table of marks gives.
     pub fn max_points_of_score(&self) -> f64 {
-        self.marks.iter().fold(0.0, |most, row| most.max(row[1]))
+        self.marks.iter().fold(0.0, |max, row| max.max(row[1]))
     }
 }
 
