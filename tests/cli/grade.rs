@@ -91,7 +91,7 @@ fn entry_that_is_refused_gets_a_grade_and_wrong_rules_do_not() {
         story.file("rules.toml", &lines.collect::<Vec<_>>().join("\n"));
         refuse(&story, &["grade", "anna.toml", "--rules", "rules.toml"], parts);
     }
-    story.file("rules.toml", &RULES.split("[grading]").next().expect("a text").to_owned());
+    story.file("rules.toml", RULES.split("[grading]").next().expect("a text"));
     refuse(&story, &["grade", "anna.toml", "--rules", "rules.toml"], &["no table [grading]"]);
 }
 
