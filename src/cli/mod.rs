@@ -249,6 +249,8 @@ fn without_misleading_tips(mut error: clap::Error) -> clap::Error {
     }
     if nearest_name(&unknown, [&suggested[..]]).is_none() || !has_common_start(&unknown, &suggested) {
         error.remove(ContextKind::SuggestedArg);
+        // It is that of the suggestion.
+        error.remove(ContextKind::Usage);
     }
     error
 }

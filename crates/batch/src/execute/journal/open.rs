@@ -30,29 +30,29 @@ pub struct OpenJournal {
     sync_every: Duration,
     /// Since the first line that is not on the disk yet.
     unsynced: Option<WallStopwatch>,
-    guard: Option<Guard>,
+    guard: Option<JournalGuard>,
 }
 
 /// What restores the files of a batch after a program has changed them.
-struct Guard {
+struct JournalGuard {
     /// All lines of the journal.
     lines: Vec<u8>,
     /// Its file as this process left it.
-    stamp: Option<Stamp>,
+    stamp: Option<FileStamp>,
     plan_path: PathBuf,
     plan: Vec<u8>,
 }
 
 /// What tells that a file was written to, even if it is as long as before.
 #[derive(Clone, Copy, PartialEq)]
-struct Stamp {
+struct FileStamp {
     length: u64,
     modified: Option<SystemTime>,
     #[cfg(unix)]
     changed: (i64, i64),
 }
 
-impl Stamp {
+impl FileStamp {
     fn new(metadata: &Metadata) -> Self {
         #[cfg(unix)]
         use std::os::unix::fs::MetadataExt;
@@ -256,8 +256,8 @@ impl OpenJournal {
         }
         let lines = fs::read(&self.path).map_err(|source| JournalError::unreadable(&self.path, source))?;
         let plan = fs::read(&plan_path).map_err(|source| JournalError::unreadable(&plan_path, source))?;
-        let stamp = self.file.metadata().ok().map(|metadata| Stamp::new(&metadata));
-        self.guard = (lines.len() <= MAX_GUARDED_BYTES).then_some(Guard { lines, stamp, plan_path, plan });
+        let stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
+        self.guard = (lines.len() <= MAX_GUARDED_BYTES).then_some(JournalGuard { lines, stamp, plan_path, plan });
         Ok(())
     }
 
@@ -273,7 +273,7 @@ impl OpenJournal {
                 .and_then(|()| wildfire_base::whole_file::write_whole(&guard.plan_path, &guard.plan))
                 .map_err(|source| BatchError::unwritable(&guard.plan_path, source))?;
         }
-        let stamp = self.file.metadata().ok().map(|metadata| Stamp::new(&metadata));
+        let stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
         // Some network file systems date files again by themselves, so the lines decide.
         let is_rewritten = stamp != guard.stamp && fs::read(&self.path).ok().as_ref() != Some(&guard.lines);
         let found = match self.expect_unchanged() {
@@ -301,15 +301,15 @@ impl OpenJournal {
     /// Puts a new file with all lines in the place of the journal.
     fn rewrite(&mut self) -> Result<(), BatchError> {
         let Some(guard) = &mut self.guard else { return Ok(()) };
-        let unwritable = |source| BatchError::unwritable(&self.path, source);
         let _ = fs::remove_file(&self.path);
-        let file = open_to_append(&self.path).map_err(unwritable)?;
+        let emptied = open_to_append(&self.path).and_then(|file| file.set_len(0).map(|()| file));
+        let file = emptied.map_err(|source| BatchError::unwritable(&self.path, source))?;
         // Where files cannot be locked, the first lock was refused already, or not asked for.
         let _ = file.try_lock();
-        file.set_len(0).map_err(unwritable)?;
         self.writer = writer_of(&RealDisk, &self.path, &file)?;
-        self.writer.append(&guard.lines).and_then(|()| self.writer.sync()).map_err(unwritable)?;
-        guard.stamp = file.metadata().ok().map(|metadata| Stamp::new(&metadata));
+        let written = self.writer.append(&guard.lines).and_then(|()| self.writer.sync());
+        written.map_err(|source| BatchError::unwritable(&self.path, source))?;
+        guard.stamp = file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
         self.file = file;
         Ok(())
     }
@@ -405,7 +405,7 @@ impl OpenJournal {
         self.writer.append(bytes).map_err(|source| BatchError::unwritable(&self.path, source))?;
         let Some(guard) = &mut self.guard else { return Ok(()) };
         guard.lines.extend_from_slice(bytes);
-        guard.stamp = self.file.metadata().ok().map(|metadata| Stamp::new(&metadata));
+        guard.stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
         if guard.lines.len() > MAX_GUARDED_BYTES {
             self.guard = None;
         }
