@@ -11,6 +11,8 @@ use wildfire_planning::{PlannerName, Planners};
 use wildfire_scenario::{MemoryLimit, Scenario, UsedProgram, doubts_of_files, is_built_in_policy};
 #[cfg(not(unix))]
 use wildfire_sim::programs::ONLY_ON_UNIX;
+#[cfg(unix)]
+use wildfire_sim::programs::sandbox;
 use wildfire_sim::programs::{ProgramPool, Trust};
 use wildfire_sim::{CustomRegistry, RunOptions};
 
@@ -78,7 +80,12 @@ impl CommandContext {
 
     /// Refuses a plan with such a scenario.
     pub fn expect_trusted_plan(&self, plan: &BatchPlan) -> Result<(), CliError> {
-        plan.variants.iter().try_for_each(|variant| self.expect_trusted(&variant.scenario))
+        plan.variants.iter().try_for_each(|variant| self.expect_trusted(&variant.scenario))?;
+        #[cfg(unix)]
+        if !self.quiet && plan.variants.iter().any(|variant| has_sandbox(&variant.scenario)) {
+            sandbox::missing_note().iter().for_each(|note| terminal::note(note));
+        }
+        Ok(())
     }
 
     /// Refuses planners that are programs which are not trusted.
@@ -128,4 +135,10 @@ impl CommandContext {
             ),
         }
     }
+}
+
+/// Says whether a run starts a program that is to run behind walls.
+#[cfg(unix)]
+fn has_sandbox(scenario: &Scenario) -> bool {
+    scenario.used_programs().iter().any(|used| used.table.sandbox)
 }

@@ -24,6 +24,7 @@ mod fork;
 #[cfg(test)]
 #[path = "../../tests/fuzz/mod.rs"]
 mod fuzz;
+mod grade;
 mod help;
 mod interrupt;
 mod judge;
@@ -56,6 +57,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::builder::FalseyValueParser;
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arena::ArenaCommand;
@@ -71,6 +73,7 @@ use error::CliError;
 use export::ExportArguments;
 use fire::FireCommand;
 use fork::ForkArguments;
+use grade::GradeArguments;
 use judge::JudgeArguments;
 use lessons::LessonsArguments;
 use map::MapCommand;
@@ -87,6 +90,7 @@ use why::WhyArguments;
 
 use wildfire_base::untrusted::visible;
 use wildfire_batch::plan::LONG_VERSION;
+use wildfire_scenario::nearest_name;
 use wildfire_sim::CustomRegistry;
 #[cfg(unix)]
 use wildfire_sim::programs::supervisor;
@@ -154,6 +158,8 @@ pub enum Command {
         #[command(subcommand)]
         command: ArenaCommand,
     },
+    /// Grade an entry of a course: points for tests and for its score, as course platforms read them.
+    Grade(GradeArguments),
     /// Rerun up to a time, then change a decision, a policy or a planner.
     Fork(ForkArguments),
     /// Judge the decisions of a run: what every other choice would have cost or saved.
@@ -244,9 +250,33 @@ fn parse(args: &[OsString]) -> Result<Arguments, clap::Error> {
 fn refuse(args: &[OsString], error: &clap::Error) -> ! {
     let args: Vec<OsString> = args.iter().map(|word| visible(&word.to_string_lossy()).into_owned().into()).collect();
     match parse(&args) {
-        Err(same) if same.kind() == error.kind() => same.exit(),
+        Err(same) if same.kind() == error.kind() => without_misleading_tips(same).exit(),
         _ => error.exit(),
     }
+}
+
+/// Leaves out tips that lead astray: other options that merely share some letters, such as `--trust` in place of `--rules`,
+/// and the advice to pass an unknown option as a value.
+fn without_misleading_tips(mut error: clap::Error) -> clap::Error {
+    let named = [ContextKind::InvalidArg, ContextKind::SuggestedArg].map(|kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        _ => String::new(),
+    });
+    let [unknown, suggested] = named;
+    if unknown.starts_with("--") {
+        error.remove(ContextKind::Suggested);
+    }
+    if nearest_name(&unknown, [&suggested[..]]).is_none() || !has_common_start(&unknown, &suggested) {
+        error.remove(ContextKind::SuggestedArg);
+        // It is that of the suggestion.
+        error.remove(ContextKind::Usage);
+    }
+    error
+}
+
+/// Says whether two options begin with the same two letters.
+fn has_common_start(one: &str, other: &str) -> bool {
+    one.bytes().zip(other.bytes()).take_while(|(one, other)| one == other).count() >= "--ab".len()
 }
 
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
@@ -266,6 +296,7 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Compare(compare) => compare::run(compare, arguments.quiet),
         Command::Rank(rank) => rank::run(rank, &context.with_trust(rank.trust)),
         Command::Arena { command } => arena::run(command, context),
+        Command::Grade(grade) => grade::run(grade, context),
         Command::Fork(fork) => fork::run(fork, &context.with_programs(&fork.run.scenario.programs)),
         Command::Why(why) => why::run(why, &context.with_programs(&why.run.scenario.programs)),
         Command::Attain(attain) => attain::run(attain, &context.with_programs(&attain.scenario.programs)),

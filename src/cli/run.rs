@@ -231,7 +231,7 @@ impl From<&RunReport> for Document {
         let ended_s = rounded(outcome.ended_s, 1);
         let record = RunRecord::from_row(row);
         let failures =
-            [Failures::of_queries(&record).of_planner(&label.planner), Failures::of_asks(&record).of_policies()];
+            [Failures::of_queries(&record).of_planner(&label.planner), Failures::of_asks(&record).of_policies(None)];
         let notes = notes(result).into_iter().map(|note| format!("Note: {note}"));
         let notes = notes.chain(failures.into_iter().flatten()).chain(record.queries().sentences(&label.planner));
         let sentences = fires(outcome).into_iter().chain(ground(outcome)).chain(verdict(result)).chain(notes).collect();

@@ -14,6 +14,7 @@ use crate::cli::assignment;
 use crate::cli::batch::{BatchObject, PlanAnswer, ReportAnswer, SliceAnswer};
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
+use crate::cli::grade::Platform;
 use crate::cli::map::{NO_IMAGE, parse_tolerance};
 use crate::cli::numbers;
 use crate::cli::output_files::{Files, Format, note_written};
@@ -59,6 +60,9 @@ pub struct NewArguments {
     /// The same, named as in other commands.
     #[arg(short, long, value_name = "FILE", conflicts_with = "file")]
     pub out: Option<PathBuf>,
+    /// Platform of an assignment: its files are added [default: plain].
+    #[arg(long = "for", value_name = "PLATFORM")]
+    pub platform: Option<Platform>,
     #[command(flatten)]
     pub map: MapArguments,
 }
@@ -87,7 +91,7 @@ pub enum NewFile {
     Planner,
     /// 20 random seeds of 64 bits, for a course.
     Seeds,
-    /// A folder for a course: rules, secret seeds, sample entries, a handout.
+    /// A folder for a course: rules, secret seeds, sample entries, a handout, a page for the instructor.
     Assignment,
 }
 
@@ -291,6 +295,10 @@ pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> 
         let help = "`wildfire new scenario --from-map FILE` creates a scenario from a map";
         return Err(CliError::bad_input("--from-map applies only to a scenario", Some(help)));
     }
+    if arguments.platform.is_some() && arguments.what != NewFile::Assignment {
+        let help = "`wildfire new assignment course --for gradescope` writes a course for Gradescope";
+        return Err(CliError::bad_input("--for applies only to an assignment", Some(help)));
+    }
     let (format, text) = match arguments.what {
         NewFile::Scenario => match &arguments.map.from_map {
             Some(map) => (Format::Toml, scenario_from_map(map, &arguments.map, file, quiet)?),
@@ -302,7 +310,7 @@ pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> 
         NewFile::Assignment => {
             let help = "`wildfire new assignment course` writes it into the folder `course`";
             let folder = file.ok_or_else(|| CliError::bad_input("an assignment needs a folder", Some(help)))?;
-            assignment::write(folder)?;
+            assignment::write(folder, arguments.platform.unwrap_or(Platform::Plain))?;
             return Ok(ExitCode::SUCCESS);
         }
     };

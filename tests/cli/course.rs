@@ -1,4 +1,4 @@
-//! Courses: `wildfire batch --rules --agent`, and the ranking of what it leaves.
+//! Courses: `wildfire batch --rules --entry`, and the ranking of what it leaves.
 
 use std::fs;
 
@@ -32,7 +32,7 @@ fn course() -> Story {
     story
 }
 
-const BATCH: [&str; 7] = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "cem.toml"];
+const BATCH: [&str; 7] = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "ben.toml", "cem.toml"];
 
 fn with<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     [&BATCH[..], arguments].concat()
@@ -110,7 +110,7 @@ fn entries_may_differ_in_whatever_the_rules_free() {
     for (name, goal) in [("anna", "random-intact"), ("ben", "nearest-intact")] {
         story.file(&format!("{name}.toml"), &format!("[wumpus]\ngoal = \"{goal}\"\n"));
     }
-    let rules = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "ben.toml", "--out", "course"];
+    let rules = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "ben.toml", "--out", "course"];
     story.tell(&rules).expect_code(0);
     story.tell(&["rank", "course", "--metric", "wumpus_score", "--better", "higher"]).expect_code(0);
     // Who did not play by these rules may not differ in it.
@@ -181,7 +181,7 @@ fn what_the_rules_fix_is_refused_by_name_and_line() {
     );
     fs::remove_file(story.path("ben.toml")).expect("it is there");
     refuse(&story, &with(&["--out", "course"]), &["ben.toml: the file does not exist"]);
-    refuse(&story, &["batch", "--rules", "rules.toml", "--agent", "anna.toml", "anna.toml"], &["it is named twice"]);
+    refuse(&story, &["batch", "--rules", "rules.toml", "--entry", "anna.toml", "anna.toml"], &["it is named twice"]);
 }
 
 /// A program of the shell that has no path for anybody, and whose greeting is in a file beside it.
@@ -205,7 +205,7 @@ fn programs_work_in_the_folder_of_their_entry_within_the_limits_of_the_rules() {
     story.file("dora/greeting.json", "{\"type\":\"hello\",\"protocol\":1,\"name\":\"silent\",\"version\":\"1\"}\n");
     let table = "[unimog]\nplanner = \"mine\"\n[planner.mine]\ncommand = [\"sh\", \"silent.sh\"]\nquery_cpu_s = 0.5\n";
     story.file("dora/dora.toml", table);
-    let batch = ["batch", "--rules", "rules.toml", "--agent", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
+    let batch = ["batch", "--rules", "rules.toml", "--entry", "anna.toml", "dora/dora.toml", "--seeds", "1..2"];
     let with = |more: &[&'static str]| [&batch[..], &["--out", "course"], more].concat();
     // What a ranking would refuse is refused before the first run.
     let unequal = "dora/dora.toml: its `unimog.rescue` is false, but true in anna; expected [scenario] in rules.toml";
@@ -243,7 +243,7 @@ fn course_with_program(program: &str, limits: &str) -> Story {
 #[test]
 fn rules_charge_every_entry_for_expansions_and_programs_for_queries() {
     let story = course_with_program(SILENT, "seconds_per_expansion = 0.01\nexpansions_per_query = 300");
-    let batch = ["batch", "--rules", "rules.toml", "--agent", "ben.toml", "dora.toml", "--out", "course", "--trust"];
+    let batch = ["batch", "--rules", "rules.toml", "--entry", "ben.toml", "dora.toml", "--out", "course", "--trust"];
     story.tell(&batch).expect_code(0);
     let plan: Value = serde_json::from_str(&story.read("course/plan.json")).expect("it is JSON");
     for variant in plan["variants"].as_array().expect("a list") {
@@ -278,7 +278,7 @@ fn every_form_says_that_outcomes_depend_on_the_machine_where_a_clock_ended_a_que
     let story = course_with_program(&late, "query_limit_s = 0.02");
     let out = ["--seeds", "1..2", "--trust", "--out"];
     let batch = |folder: &'static str, entries: &[&'static str], form: &[&'static str]| {
-        let rules = ["batch", "--rules", "rules.toml", "--agent"];
+        let rules = ["batch", "--rules", "rules.toml", "--entry"];
         story.tell(&[&rules[..], entries, &out[..], &[folder], form].concat()).expect_code(0).stdout
     };
     let sentence = "Outcomes depend on this machine: ";
@@ -408,7 +408,7 @@ fn rules_that_cannot_be_used_are_refused() {
     fs::remove_dir_all(story.path("secret")).expect("it is there");
     story.tell(&with(&["--seeds", "1..2", "--dry-run"])).expect_code(0);
     refuse(&story, &["batch", "--agent", "anna.toml"], &["--rules"]);
-    refuse(&story, &["batch", "--rules", "rules.toml"], &["--agent"]);
+    refuse(&story, &["batch", "--rules", "rules.toml"], &["--entry"]);
     refuse(&story, &with(&["--set", "fire.relight=true"]), &["cannot be used with"]);
     fs::remove_file(story.path("rules.toml")).expect("it is there");
     refuse(&story, &with(&["--out", "course"]), &["rules.toml: the file does not exist"]);
@@ -425,7 +425,7 @@ fn whole_scenarios_of_rules_have_nothing_of_others() {
     let lines: Vec<&str> = smoke.lines().filter(|line| !line.starts_with('#')).collect();
     let rules = format!("free = ['unimog.planner']\nseeds = '1..3'\n[scenario]\n{}\n", lines.join("\n"));
     story.file("rules.toml", &rules);
-    story.tell(&["batch", "--rules", "rules.toml", "--agent", "anna.toml", "--out", "whole"]).expect_code(0);
+    story.tell(&["batch", "--rules", "rules.toml", "--entry", "anna.toml", "--out", "whole"]).expect_code(0);
     story.tell(&["batch", "smoke", "--planner", "prm+primitives", "--seeds", "1..3", "--out", "plain"]).expect_code(0);
     let without_entry = |folder: &str| {
         let rows = outcomes(&story.path(&format!("{folder}/runs.csv")));
@@ -453,25 +453,75 @@ fn new_assignment_is_a_course_that_runs_and_is_ranked_with_sheets() {
     refuse(&story, &["new", "assignment", "logic"], &["logic already exists"]);
     refuse(&story, &["new", "assignment"], &["an assignment needs a folder"]);
 
-    story.tell(&[&batch[..], &["--seeds", "1..4"]].concat()).expect_code(0);
+    story.tell(&[&batch[..], &["--seeds", "100001..100004"]].concat()).expect_code(0);
     story.tell(&rank.split(' ').collect::<Vec<_>>()).expect_code(0);
     let sheet = story.read("runs/sheets/ben.md");
     for fragment in
-        ["# ben: rank ", "Difference from the first: -", "| budget spent |", "wildfire render arena --seed "]
+        ["# ben: rank ", "Difference from the first: -", "| budget spent |", "--entry entry.toml --seeds 1..20"]
     {
         assert!(sheet.contains(fragment), "`{fragment}` is missing:\n{sheet}");
     }
-    // The worst runs are those of the table, and the commands make pages.
+    for secret in ["10000", "anna", "cem", "logic"] {
+        assert!(!sheet.contains(secret), "`{secret}` is for the instructor:\n{sheet}");
+    }
+    // The worst runs are those of the table, and the instructor's commands make pages.
     let rows = outcomes(&story.path("runs/course/runs.csv"));
     let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
     let runs = rows[1..].iter().filter(|row| row[column("entry")] == "ben");
     let saved = |row: &[String]| ["intact", "extinguished"].map(|name| row[column(name)].parse::<u32>().unwrap());
     let worst = runs.min_by_key(|row| saved(row).iter().sum::<u32>()).expect("it has runs");
     let seed = &worst[column("seed")];
-    let command = sheet.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
+    let number: u32 = seed.trim_start_matches("10000").parse().expect("a digit");
+    assert!(sheet.contains(&format!("| {number} | ")), "{sheet}\n{worst:?}");
+    let instructor = story.read("runs/sheets/instructor.md");
+    let of_ben = instructor.split("## ben").nth(1).expect("there is such a heading");
+    let command =
+        of_ben.lines().find_map(|line| line.strip_prefix("    wildfire render ")).expect("there is a command");
     assert!(command.contains(&format!("--seed {seed} ")), "{command}\n{worst:?}");
     let made = output_of(&mut story.shell(&format!("\"$0\" render {command}")));
     assert!(made.status.success() && story.path(&format!("seed-{seed}.html")).exists());
+}
+
+/// A program that changes the files of the batch where no sandbox keeps it from that: its runs fail by its name, and the others
+/// stay as they were.
+#[cfg(unix)]
+#[test]
+fn program_that_changes_files_of_the_batch_costs_its_own_runs() {
+    for (attack, part) in [
+        ("echo lie >> $J", "runs.journal: it has "),
+        ("sed -i s/anna/emma/ $J", "runs.journal: "),
+        ("perl -pi -e 's/anna/emma/' $J; truncate -s 0 $J", "runs.journal: "),
+        ("rm -r $J", "removed or renamed"),
+        ("echo lie >> ${J%/*}/plan.json", "plan.json was changed"),
+    ] {
+        let story = course_with_program(SILENT, "");
+        let journal = story.path("course/runs.journal").display().to_string();
+        let attack = attack.replace("$J", &journal).replace("${J%/*}", &story.path("course").display().to_string());
+        story.file("silent.sh", &SILENT.replacen('\n', &format!("\n{attack}\n"), 1));
+        // Without a sandbox, as on machines that have none.
+        let empty = story.path("no-bubblewrap");
+        fs::create_dir(&empty).expect("writable");
+        story.file("no-bubblewrap/bwrap", "#!/bin/sh\nexit 1\n");
+        let script = format!(
+            "chmod +x no-bubblewrap/bwrap; PATH={}:$PATH \"$0\" batch --rules rules.toml --entry anna.toml dora.toml ben.toml --seeds 3,4 --trust --out course",
+            empty.display()
+        );
+        let made = output_of(&mut story.shell(&script));
+        let stderr = String::from_utf8_lossy(&made.stderr);
+        assert_eq!(made.status.code(), Some(1), "{attack}: {stderr}");
+        assert!(stderr.contains("without a sandbox"), "{stderr}");
+        let rows = outcomes(&story.path("course/runs.csv"));
+        let column = |name: &str| rows[0].iter().position(|found| found == name).expect("there is such a column");
+        for row in &rows[1..] {
+            let is_dora = row[column("entry")] == "dora";
+            assert_eq!(row[column("status")] == "failed", is_dora, "{attack}: {row:?}");
+            let message = &row[column("message")];
+            assert!(!is_dora || message.contains("its program changed files") && message.contains(part), "{message}");
+        }
+        assert_eq!(rows.len(), 1 + 3 * 2);
+        let ranking = story.tell(&["rank", "course"]).expect_code(0).stdout;
+        assert!(ranking.contains("dora: 2 of 2 runs failed; the first: its program changed"), "{ranking}");
+    }
 }
 
 #[test]

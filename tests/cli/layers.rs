@@ -30,7 +30,7 @@ const CRATES: [(&str, &[&str]); 13] = [
 
 /// Rooms of `batch`, each with those that it may use: first it is known which runs there are, then they take place, then
 /// tables are written, which other tools read too, and then something is said of them.
-const ROOMS_OF_BATCH: [(&str, &[&str]); 12] = [
+const ROOMS_OF_BATCH: [(&str, &[&str]); 13] = [
     ("stats", &[]),
     ("plan", &[]),
     ("together", &["plan"]),
@@ -44,6 +44,7 @@ const ROOMS_OF_BATCH: [(&str, &[&str]); 12] = [
     ("maps", &["stats", "plan", "execute", "table"]),
     ("drives", &["stats", "plan", "table", "comparison"]),
     ("arena", &["stats", "plan", "execute", "table", "comparison", "report", "drives"]),
+    ("grading", &["plan", "execute", "table", "comparison", "report", "arena"]),
 ];
 
 /// Rooms of `scenario`: what may be wrong, the field, the keys that describe it, how they are read, how they are explained.

@@ -27,6 +27,7 @@ mod export;
 mod files_named;
 mod fire;
 mod front_page;
+mod grade;
 mod guide;
 mod judge;
 mod layers;

@@ -54,6 +54,8 @@ fn add_options(command: &clap::Command, path: &str, found: &mut BTreeSet<String>
     found.insert(path.to_owned());
     for option in command.get_arguments() {
         let long = option.get_long_and_visible_aliases().into_iter().flatten();
+        // Hidden ones are earlier names, which are still taken.
+        let long = long.chain(option.get_all_aliases().into_iter().flatten());
         found.extend(long.map(|name| format!("{path} --{name}")));
         found.extend(option.get_short().map(|letter| format!("{path} -{letter}")));
         let name = option.get_long().map_or_else(String::new, |name| format!(" --{name}"));

@@ -8,7 +8,7 @@
 //! a row never depends on the number of workers, on slices or on interruptions. A run that fails or panics is a row like the
 //! others, with the reason.
 //!
-//! Four modules, each of which imports only those before it, and seven more beside the last:
+//! Four modules, each of which imports only those before it, and eight more beside the last:
 //! - `plan`: the runs, frozen in `plan.json`;
 //! - `execute`: workers, the journal and its folder; each run yields a [`RunRow`](execute::RunRow);
 //! - `table`: the columns, the files written from them, and the reader of these files;
@@ -19,13 +19,15 @@
 //! - `together`: vehicles that plan at once, their solutions and the check of these;
 //! - [`comparison`]: comparisons of batches, including those of other versions of the program;
 //! - [`stopping`]: batches that stop when enough is known;
-//! - [`arena`]: frozen tracks, and boards of entries on them.
+//! - [`arena`]: frozen tracks, and boards of entries on them;
+//! - [`grading`]: marks for an entry of a course.
 
 pub mod arena;
 pub mod comparison;
 pub mod decisions;
 pub mod drives;
 pub mod execute;
+pub mod grading;
 pub mod maps;
 pub mod plan;
 pub mod report;

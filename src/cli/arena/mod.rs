@@ -551,8 +551,8 @@ impl From<ArenaError> for CliError {
             ArenaError::Unreadable { path, source } => Self::unreadable(&path, &source),
             ArenaError::Batch(error) => error.into(),
             ArenaError::Drive(error) => error.into(),
-            ArenaError::Refused(CourseRefusal::Agents(faults)) => {
-                let [first, others @ ..] = &faults[..] else { unreachable!("an agent is refused for something") };
+            ArenaError::Refused(CourseRefusal::Entries(faults)) => {
+                let [first, others @ ..] = &faults[..] else { unreachable!("an entry is refused for something") };
                 others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
                 Self::bad_input(first, None)
             }

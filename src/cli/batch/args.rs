@@ -30,8 +30,8 @@ Examples:
   wildfire batch --planner prm-rs,hybrid-astar --set field.coverage=0.05,0.10,0.20 --dry-run
   wildfire batch --planner prm-rs,hybrid-astar --until decided
   wildfire batch --resume runs/contest
-  wildfire batch --rules official.toml --agent anna.toml ben.toml --out runs/course
-  wildfire batch --rules official.toml --agent *.toml --until groups --out runs/course
+  wildfire batch --rules official.toml --entry anna.toml ben.toml --out runs/course
+  wildfire batch --rules official.toml --entry *.toml --until groups --out runs/course
   wildfire batch plan.toml --shard 2/5 --out runs/cluster
   wildfire batch plan.toml --array-env SGE_TASK_ID --slices 40 --out runs/cluster
   wildfire batch plan.toml --out runs/cluster --slurm > fleet.sh && bash fleet.sh")]
@@ -48,18 +48,18 @@ pub struct BatchArguments {
     /// Planners of the trucks: short for `--set unimog.planner=`.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub planner: Vec<String>,
-    /// Rules of a course: they fix all values except those they free for agents.
+    /// Rules of a course: they fix all values except those they free for entries.
     #[arg(
         long,
         value_name = "FILE.toml",
-        requires = "agent",
+        requires = "entry",
         conflicts_with_all = ["sources", "set", "planner", "memory", "slice"]
     )]
     pub rules: Option<PathBuf>,
-    /// Agent files, with the values that the rules leave free; all run with the same seeds.
-    #[arg(long, value_name = "FILE.toml", num_args = 1.., requires = "rules")]
-    pub agent: Vec<PathBuf>,
-    /// Skip agents whose files are invalid and run the others; the exit code is then 1.
+    /// Entry files, with the values that the rules leave free; all run with the same seeds.
+    #[arg(long, alias = "agent", value_name = "FILE.toml", num_args = 1.., requires = "rules")]
+    pub entry: Vec<PathBuf>,
+    /// Skip entries whose files are invalid and run the others; the exit code is then 1.
     #[arg(long, requires = "rules")]
     pub skip_refused: bool,
     /// Seeds: inclusive ranges and lists, such as `1..5`, `1,5,9` or `1..100,200`; or `@FILE` to read them from a file

@@ -152,25 +152,24 @@ pub fn play_plan(
 fn plan_of_course(arguments: &BatchArguments, rules: &Path) -> Result<CoursePlan, CliError> {
     let request = CourseRequest {
         rules: rules.to_owned(),
-        agents: arguments.agent.clone(),
+        entries: arguments.entry.clone(),
         seeds: arguments.seeds.as_ref().map(SeedsArgument::seeds).transpose()?,
         record: arguments.record,
         skips_refused: arguments.skip_refused,
     };
     request.resolve(arguments.force).map_err(|refusal| match refusal {
         CourseRefusal::Request(refusal) => refusal.into(),
-        CourseRefusal::Agents(faults) => {
-            let [first, others @ ..] = &faults[..] else { unreachable!("there is an agent, and it is refused") };
-            // They go in reverse, as the first one is printed last, with the help.
+        CourseRefusal::Entries(faults) => {
+            let [first, others @ ..] = &faults[..] else { unreachable!("there is an entry, and it is refused") };
             others.iter().rev().for_each(|fault| terminal::note(&fault.to_string()));
-            let help = if arguments.agent.len() > 1 { Some("--skip-refused runs the other agents") } else { None };
+            let help = if arguments.entry.len() > 1 { Some("--skip-refused runs the other entries") } else { None };
             CliError::bad_input(first, help)
         }
         CourseRefusal::Rules(fault) => match fault.unreadable {
             Some(kind) => CliError::from_input_error(fault, kind),
             None => CliError::bad_input(fault, None),
         },
-        refusal @ CourseRefusal::TooManyAgents { .. } => CliError::bad_input(refusal, None),
+        refusal @ CourseRefusal::TooManyEntries { .. } => CliError::bad_input(refusal, None),
     })
 }
 

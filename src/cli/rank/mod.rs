@@ -2,6 +2,7 @@
 
 mod sheets;
 mod table;
+mod watch;
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
@@ -31,6 +32,7 @@ Examples:
   wildfire rank runs/course --csv ranking.csv --sheets sheets
   wildfire rank runs/sweep --where field.coverage=0.1
   wildfire rank runs/course --audit 3 --trust
+  wildfire rank runs --watch board.html
 
 An entry is the runs of a batch with one planner, one policy or one value of a
 free key, or all runs of a batch in which these do not vary. All entries share
@@ -74,7 +76,12 @@ pub struct RankArguments {
     /// Write the table of entries to a CSV file.
     #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Write a Markdown sheet for each entry into this folder: rank, failed queries by reason, worst runs.
+    /// Keep a page with the ranking that renews itself, without seeds, until Ctrl-C; batches may be folders of batches, in
+    /// which new ones may appear.
+    #[arg(help_heading = "Output", long, value_name = "PAGE.html", conflicts_with_all = ["audit", "csv", "sheets", "report_form"])]
+    pub watch: Option<PathBuf>,
+    /// Write a Markdown sheet for each entry into this folder: rank, failed queries by reason, worst runs; and a sheet for the
+    /// instructor, with seeds.
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub sheets: Option<PathBuf>,
     #[command(flatten)]
@@ -95,9 +102,12 @@ impl RankArguments {
 
 pub fn run(arguments: &RankArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     let form = arguments.form;
-    let files = Files { form, ..Files::default() }.writing([(Format::Csv, &arguments.csv)]);
-    // Outputs are checked before the audit, which simulates runs again.
+    let files = Files { form, ..Files::default() };
+    let files = files.writing([(Format::Csv, &arguments.csv), (Format::Html, &arguments.watch)]);
     let stream = files.check()?;
+    if let Some(page) = &arguments.watch {
+        return watch::keep_page(page, &arguments.batches, &arguments.request(), context.quiet);
+    }
     let mut ranking = rank(&arguments.batches, &arguments.request())?;
     if let Some(runs) = arguments.audit {
         audit(&mut ranking, runs.get(), arguments.jobs, context)?;

@@ -171,7 +171,7 @@ impl Board {
     /// # Errors
     /// If the board has rows of it and no files.
     pub fn entry(&self, name: &str) -> Result<ArenaEntry, ArenaError> {
-        ArenaEntry::read(&self.folder.join(ENTRIES_FOLDER).join(name).join(super::entry::ENTRY_FILE))
+        ArenaEntry::read(&self.folder.join(ENTRIES_FOLDER).join(name).join(crate::plan::ENTRY_FILE))
     }
 
     /// Ranks the entries of a track; `None` if it has none.

@@ -7,11 +7,8 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::{ArenaError, Track};
-use crate::plan::{AgentFile, BatchPlan, CourseRequest, EntryCard, Seeds, read_card};
+use crate::plan::{BatchPlan, CourseRequest, ENTRY_FILE, EntryCard, EntryFile, Seeds, read_card};
 use wildfire_base::input_file;
-
-/// The name of an entry's file.
-pub const ENTRY_FILE: &str = "entry.toml";
 
 /// The most files of an entry, and the most bytes of all of them.
 const MAX_FILES: usize = 100;
@@ -93,9 +90,9 @@ impl ArenaEntry {
     /// # Errors
     /// If one of them sets what the rules fix.
     pub fn plan(entries: &[Self], track: &Track, seeds: Seeds) -> Result<BatchPlan, ArenaError> {
-        let agents = entries.iter().map(|entry| entry.path.clone()).collect();
-        let request = CourseRequest { agents, seeds: Some(seeds), ..CourseRequest::default() };
-        Ok(request.resolve_by(&track.course(), &AgentFile::read, true)?.plan)
+        let entries = entries.iter().map(|entry| entry.path.clone()).collect();
+        let request = CourseRequest { entries, seeds: Some(seeds), ..CourseRequest::default() };
+        Ok(request.resolve_by(&track.course(), &EntryFile::read, true)?.plan)
     }
 }
 

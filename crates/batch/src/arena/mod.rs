@@ -15,6 +15,7 @@ mod track;
 
 pub use board::{Board, BoardEntry, TrackBoard};
 pub use entry::{ArenaEntry, Class};
+pub(crate) use play::{AuditedRun, audited_run};
 pub use play::{Played, Players, play};
 pub use row::{ArenaRow, HASHED_COLUMNS, rows_hash};
 pub use submission::{SubmissionCheck, TrackCheck, total_failure};

@@ -77,8 +77,17 @@ fn row_of(run: &PlannedRun<'_>, score: Option<f64>, effort: u64, hash: String) -
     ArenaRow { entry, condition, seed: run.seed, score, effort, hash }
 }
 
-fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
-    // A custom policy may panic; the rest of the track is still played.
+/// A run that was made and audited.
+pub(crate) struct AuditedRun {
+    pub row: RunRow,
+    /// The first rule that the independent audit found broken.
+    pub violation: Option<String>,
+    /// True if a planner or policy could not be started or built.
+    pub is_not_started: bool,
+}
+
+/// Makes a run and audits it; whatever goes wrong, it is a row.
+pub(crate) fn audited_run(run: &PlannedRun<'_>, options: &RunOptions) -> AuditedRun {
     let made = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options));
     let is_not_started =
         matches!(&made, Ok(Err(RunError::NoPolicy { .. } | RunError::NoPrograms { .. } | RunError::NoPlanner { .. })));
@@ -94,6 +103,11 @@ fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Playe
         Ok(Err(error)) => not_done(Status::Failed, error.to_string()),
         Err(panic) => not_done(Status::Panicked, panic),
     };
+    AuditedRun { row, violation, is_not_started }
+}
+
+fn simulated(track: &Track, run: &PlannedRun<'_>, options: &RunOptions) -> Played {
+    let AuditedRun { row, violation, is_not_started } = audited_run(run, options);
     let record = RunRecord::from_row(&row);
     // Effort is counted in expansions and not in seconds, as it must be equal when another machine plays the run again.
     let effort = track.effort.iter().map(|column| record.number(run_column(column)).unwrap_or(0.0) as u64).sum();

@@ -63,7 +63,7 @@ impl TrackCheck {
             effort: played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64,
             failed_queries: queries.failed(),
             queries: queries.total(),
-            reasons: of_planner.into_iter().chain(policy_queries.of_policies()).collect(),
+            reasons: of_planner.into_iter().chain(policy_queries.of_policies(None)).collect(),
             refusals,
             wall_all_seeds_s,
             message,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::row::whole_hash;
 use super::{ArenaError, ArenaRow};
 use crate::comparison::{Metric, MetricKind};
-use crate::plan::{AgentFile, BatchPlan, Course, CourseRequest, Seeds};
+use crate::plan::{BatchPlan, Course, CourseRequest, EntryFile, Seeds};
 use crate::table::Better;
 use wildfire_scenario::ScenarioText;
 
@@ -156,11 +156,11 @@ impl Track {
     /// # Errors
     /// If this program refuses them, which it must not.
     pub fn golden_plan(&self, seeds: Seeds) -> Result<BatchPlan, ArenaError> {
-        let agents = self.references.iter().map(|(file, _)| PathBuf::from(self.path(file))).collect();
-        let request = CourseRequest { agents, seeds: Some(seeds), ..CourseRequest::default() };
+        let entries = self.references.iter().map(|(file, _)| PathBuf::from(self.path(file))).collect();
+        let request = CourseRequest { entries, seeds: Some(seeds), ..CourseRequest::default() };
         let read = |path: &Path| {
             let found = self.references.iter().find(|(file, _)| path.ends_with(file));
-            AgentFile::from_text(path, found.expect("it is one of them").1)
+            EntryFile::from_text(path, found.expect("it is one of them").1)
         };
         Ok(request.resolve_by(&self.course(), &read, true)?.plan)
     }

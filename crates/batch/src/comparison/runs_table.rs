@@ -9,6 +9,7 @@ use crate::comparison::error::ComparisonError;
 use crate::execute::{RUNS_FILE, expect_files};
 use crate::plan::{MAX_RUNS, PLAN_FILE};
 use crate::table::{QueryTally, TableError, TableReader};
+use wildfire_base::untrusted::visible;
 
 /// Numbers of larger size could overflow in sums of squares.
 const LARGEST: f64 = 1e100;
@@ -16,6 +17,10 @@ const LARGEST: f64 = 1e100;
 /// The most values of a condition, and the most bytes of one.
 const MAX_LEVELS: usize = 10_000;
 const MAX_LEVEL_BYTES: usize = 1000;
+
+/// The most messages of failed runs that are kept, and the most characters of one.
+const MAX_MESSAGES: usize = 10_000;
+const MAX_MESSAGE: usize = 600;
 
 /// The prefix of columns that count failed queries by reason.
 const FAILED_QUERIES: &str = "truck_failed_";
@@ -53,6 +58,8 @@ pub struct RunsTable {
     pub numbers: Vec<u64>,
     /// Runs whose bush counts do not add up, with the reason.
     pub impossible: BTreeMap<usize, String>,
+    /// Why runs failed, of the first of them.
+    pub messages: BTreeMap<usize, String>,
     /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns for them.
     pub failures: Vec<(String, Vec<u64>)>,
 }
@@ -114,6 +121,7 @@ impl RunsTable {
         let mut queries = Vec::new();
         let mut numbers = Vec::new();
         let mut impossible = BTreeMap::new();
+        let mut messages = BTreeMap::new();
         let columns = table.columns().iter().enumerate();
         let reasons: Vec<(usize, String)> =
             columns.filter_map(|(place, name)| Some((place, name.strip_prefix(FAILED_QUERIES)?.to_owned()))).collect();
@@ -131,7 +139,10 @@ impl RunsTable {
             let message =
                 table.place("message").map_or(Cow::Borrowed(""), |place| String::from_utf8_lossy(table.bytes(place)));
             queries.push(QueryTally::of_run(|column| count(column).unwrap_or(0), &message));
-            // Only finished runs are checked: a failed run has no states whose sum could be wrong.
+            if done.last() == Some(&false) && messages.len() < MAX_MESSAGES {
+                messages
+                    .insert(seeds.len() - 1, visible(&message.chars().take(MAX_MESSAGE).collect::<String>()).into());
+            }
             if let Some(reason) = done.last().filter(|done| **done).and_then(|_| impossible_states(&count)) {
                 impossible.insert(seeds.len() - 1, reason);
             }
@@ -169,7 +180,7 @@ impl RunsTable {
         }
         let conditions = conditions.into_iter().map(|(_, condition, _)| condition).collect();
         let path = table.path().to_owned();
-        Ok(Self { path, seeds, done, conditions, values, queries, numbers, impossible, failures })
+        Ok(Self { path, seeds, done, conditions, values, queries, numbers, impossible, messages, failures })
     }
 }
 

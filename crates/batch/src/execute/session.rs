@@ -223,14 +223,20 @@ impl Batch {
             run: Arc::clone(run),
             stop: Arc::clone(stop),
             tasks: Mutex::new(Box::new(lost.into_iter().map(Task::RecordAgain).chain(in_turn.map(Task::Run)))),
+            under_way: Mutex::default(),
         };
+        // A class goes on whatever the program of one entry does to these files.
+        if self.plan.variants.iter().any(|variant| self.plan.entry(variant).is_some() && variant.scenario.needs_trust())
+        {
+            self.journal.guard(self.folder.path().join(PLAN_FILE))?;
+        }
         let worked_off = run_all(work, jobs, &mut self.journal, on_run);
         // Whatever ended the work, the runs that are over are to be kept.
         let brought = self.journal.bring_home();
         // The first fault is reported: a copy that cannot be brought home may follow from it.
         let recorded_again = worked_off?;
         brought?;
-        // A plan that was replaced meanwhile would name other runs than the journal has.
+        self.journal.restore_lines()?;
         self.expect_unchanged_plan()?;
         let is_over = self.journal.index().missing(is_wanted).next().is_none()
             && recorded_again == self.found.lost_recordings.len();

@@ -3,6 +3,7 @@
 //! The thread that calls writes the journal and watches for a stop; the others take one run after the other. They hold
 //! all that they need themselves, so that a run that lasts long need not be waited for when the batch is stopped.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -58,6 +59,8 @@ pub struct Work {
     /// A flag, set from outside, that stops new runs.
     pub stop: Arc<AtomicBool>,
     pub tasks: Mutex<Box<dyn Iterator<Item = Task> + Send>>,
+    /// Runs of programs that have begun and are not in the journal yet.
+    pub under_way: Mutex<BTreeSet<u64>>,
 }
 
 /// A run to execute.
@@ -100,11 +103,23 @@ pub fn run_all(
     let finished = start_workers(&work, jobs)?;
     let mut recorded_again = 0;
     let mut stopped: Option<WallStopwatch> = None;
+    let mut suspects = BTreeSet::new();
+    let mut suspected = Vec::new();
     loop {
         // A timeout, so that the journal is synced and a stop is seen while long runs go on.
-        match finished.recv_timeout(POLL) {
+        let message = finished.recv_timeout(POLL);
+        if journal.restore()?.is_some() {
+            // Any of the programs that are at work, or were, may have done it.
+            suspects.extend(work.under_way());
+        }
+        match message {
             Ok(message) => match message? {
+                Finished::Run { end, .. } if suspects.remove(&end.run) => {
+                    work.end(end.run);
+                    suspected.push(end.run);
+                }
                 Finished::Run { end, line } => {
+                    work.end(end.run);
                     // Written before it is shown, so that what was reported is kept.
                     // A line is whole in the file before the next one, as only this thread writes.
                     journal.add(end.run, end.status, &line)?;
@@ -126,9 +141,33 @@ pub fn run_all(
             break;
         }
     }
+    suspected.iter().try_for_each(|&run| repeat_alone(&work, run, journal, &mut on_run))?;
     // After a stop too: the runs in it are over.
     journal.sync()?;
     Ok(recorded_again)
+}
+
+/// Repeats a run while no other program is at work. If the files of the batch change again, it was this one's, and the run
+/// fails; else its row is as good as any.
+fn repeat_alone(
+    work: &Work,
+    number: u64,
+    journal: &mut OpenJournal,
+    on_run: &mut impl FnMut(RunEnd),
+) -> Result<(), BatchError> {
+    let message = if work.stop.load(Ordering::Relaxed) { None } else { work.perform(Task::Run(number)) };
+    let change = journal.restore()?;
+    work.end(number);
+    let Some(Finished::Run { mut end, mut line }) = message.transpose()? else { return Ok(()) };
+    if let Some(change) = change {
+        let message = format!("its program changed files of the batch, which were restored: {change}");
+        let row = RunRow::not_done(work.plan.run(number).label(), Status::Failed, message, end.wall);
+        end.status = row.status;
+        line = encode_row(&row);
+    }
+    journal.add(end.run, end.status, &line)?;
+    on_run(end);
+    Ok(())
 }
 
 /// The workers end when there is no more work, or nobody who takes its results.
@@ -154,6 +193,16 @@ impl Work {
         }
     }
 
+    /// Returns the runs of programs that have begun and are not in the journal yet.
+    fn under_way(&self) -> BTreeSet<u64> {
+        self.under_way.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Notes that what became of a run is known.
+    fn end(&self, run: u64) {
+        self.under_way.lock().unwrap_or_else(PoisonError::into_inner).remove(&run);
+    }
+
     fn next_task(&self) -> Option<Task> {
         if self.stop.load(Ordering::Relaxed) {
             return None;
@@ -166,6 +215,9 @@ impl Work {
         match task {
             Task::Run(number) => {
                 let run = self.plan.run(number);
+                if run.variant.scenario.needs_trust() {
+                    self.under_way.lock().unwrap_or_else(PoisonError::into_inner).insert(number);
+                }
                 let row = match self.run_one(&run)? {
                     (row, Some(timeline)) => self.recorded(&run, row, &timeline),
                     (row, None) => Ok(row),

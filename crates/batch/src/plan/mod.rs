@@ -21,10 +21,10 @@ mod sweep;
 mod until;
 mod value;
 
-pub(crate) use course::{AgentFile, Course};
 pub use course::{
     CONDITION_COLUMN, CourseError, CoursePlan, CourseRefusal, CourseRequest, EntryCard, read_card, rules_schema,
 };
+pub(crate) use course::{Course, ENTRY_FILE, EntryFile, GradingRules, fault as course_fault};
 pub use equal_rules::{
     COLUMNS_OF_ENTRIES, FreeParameters, LimitsOfPrograms, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program,
     limits_of_programs, rules_of,
@@ -237,6 +237,12 @@ impl BatchPlan {
             [_] => format!("seed-{}.wildfire", run.seed),
             _ => format!("run-{}-seed-{}.wildfire", run.number, run.seed),
         }
+    }
+
+    /// Returns the name of the entry that a variant is; `None` in batches without entries.
+    pub fn entry(&self, variant: &Variant) -> Option<String> {
+        let place = self.swept_keys.iter().position(|key| key == ENTRY_COLUMN)?;
+        Some(variant.swept[place].to_string())
     }
 
     /// Names a variant by what differs between variants: scenario, planner if that differs, values that are swept.

@@ -94,10 +94,10 @@ impl Failures {
         self.sentence(&format!("Failed queries of {planner}"))
     }
 
-    /// Describes the failed questions to policies, if there are any.
-    pub fn of_policies(&self) -> Option<String> {
-        let name = self.policy.as_ref().map_or("custom policies".to_owned(), |name| format!("the policy {name}"));
-        self.sentence(&format!("Failed asks of {name}"))
+    /// Describes the failed questions to the policies of an entry, or of a run without one, if there are any.
+    pub fn of_policies(&self, entry: Option<&str>) -> Option<String> {
+        let policy = self.policy.as_ref().map_or("custom policies".to_owned(), |name| format!("the policy {name}"));
+        self.sentence(&format!("Failed asks of {}", entry.unwrap_or(&policy)))
     }
 
     /// The number of queries or asks.

@@ -145,7 +145,7 @@ fn add_row(report: &mut BatchReport, plan: &BatchPlan, place: u64, row: &Recorde
     let place = plan.place(place + 1);
     if place.seed == 0 {
         let variant = &plan.variants[place.variant];
-        report.variants.push(VariantReport::new(plan.title(variant), &variant.scenario, plan.validity()));
+        report.variants.push(VariantReport::new(plan, variant));
     }
     let variant_report = report.variants.last_mut().expect("the first row begins the first");
     variant_report.add(&row.record);

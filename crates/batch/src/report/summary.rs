@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use crate::execute::RunRow;
-use crate::plan::{BatchPlan, Value, planner_of};
+use crate::plan::{BatchPlan, Value, Variant, planner_of};
+use crate::report::failures::Failures;
 use crate::report::notes::notes;
 use crate::report::profile::Profile;
 use crate::report::tables::Tables;
@@ -14,7 +15,6 @@ use crate::table::{RUN_COLUMNS, RunRecord, run_column};
 use wildfire_base::document::number::optional;
 use wildfire_base::document::{Block, Document, Table};
 use wildfire_base::untrusted::spreadsheet_cell;
-use wildfire_scenario::Scenario;
 
 /// The reports of all variants, in the order of the plan.
 #[derive(Clone, Debug, Default)]
@@ -79,10 +79,14 @@ const FLEET_MEANS: [MeanRow; 9] = [
 
 impl VariantReport {
     /// Creates the report of a variant without runs.
-    pub fn new(title: String, scenario: &Scenario, validity: Validity) -> Self {
+    pub fn new(plan: &BatchPlan, variant: &Variant) -> Self {
+        let title = plan.title(variant);
+        let scenario = &variant.scenario;
+        let validity = plan.validity();
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
         let deadline_s = (scenario.wumpus.is_empty() && !scenario.unimog.is_empty()).then_some(scenario.duration_s);
-        let tally = Tally { deadline_s, ..Tally::new(scenario.unimog.len(), scenario.wumpus.len()) };
+        let entry = plan.entry(variant);
+        let tally = Tally { entry, deadline_s, ..Tally::new(scenario.unimog.len(), scenario.wumpus.len()) };
         let custom = scenario.planner.iter().filter(|(_, table)| table.is_external());
         let files =
             custom.map(|(name, table)| (name.to_string(), (table.works_in.clone(), table.sha256.clone()))).collect();
@@ -230,12 +234,13 @@ impl BatchReport {
         tables.collect()
     }
 
-    /// Returns notes on any variant, by its number: first why runs failed.
+    /// Returns notes on any variant, by its number or the name of its entry: first why runs failed.
     pub fn notes(&self) -> Vec<String> {
         let notes = self.variants.iter().enumerate().flat_map(|(index, variant)| {
             let reason = variant.tally.reason_of_failures();
             let notes = reason.into_iter().chain(variant.tally.note()).chain(variant.tally.machine_sentences());
-            notes.map(move |note| format!("{}: {note}", index + 1)).collect::<Vec<_>>()
+            let name = variant.tally.entry.clone().unwrap_or_else(|| variant_number(index));
+            notes.map(move |note| format!("{name}: {note}")).collect::<Vec<_>>()
         });
         notes.collect()
     }
@@ -256,6 +261,7 @@ impl BatchReport {
     /// different files are described by variant.
     pub fn failure_sentences(&self) -> Vec<String> {
         let mut sum = Tally::default();
+        let mut asks: BTreeMap<Option<&str>, Failures> = BTreeMap::new();
         let mut sentences = Vec::new();
         for (variant, number) in self.variants.iter().zip(1..) {
             for (planner, failures) in &variant.tally.failures {
@@ -267,9 +273,10 @@ impl BatchReport {
                     *sum.failures.entry(planner.clone()).or_default() += failures.clone();
                 }
             }
-            sum.failed_asks += variant.tally.failed_asks.clone();
+            *asks.entry(variant.tally.entry.as_deref()).or_default() += variant.tally.failed_asks.clone();
         }
         sentences.extend(sum.failure_sentences());
+        sentences.extend(asks.iter().filter_map(|(entry, failures)| failures.of_policies(*entry)));
         sentences
     }
 

@@ -22,6 +22,9 @@ pub struct Tally {
     /// The numbers of trucks and of Wumpuses in the scenario.
     pub trucks: usize,
     pub wumpuses: usize,
+    /// The entry that plays, in a batch of several; its queries are counted under its name rather than its planner's, which
+    /// many entries share.
+    pub entry: Option<String>,
     /// When runs end at the latest, in seconds, where nobody lights fires and trucks put them out.
     pub deadline_s: Option<f64>,
     /// The finished runs that ended before, as nothing burned any more.
@@ -47,9 +50,9 @@ pub struct Tally {
     pub noted_runs: u64,
     /// Seed and notes of the first of them.
     pub first_notes: Option<(u64, Vec<String>)>,
-    /// The queries of runs that are done or that a limit ended, by planner.
+    /// The queries of runs that are done or that a limit ended, by planner or entry.
     pub queries: BTreeMap<String, QueryTally>,
-    /// Their failures by planner, and those of custom policies.
+    /// Their failures by planner or entry, and those of custom policies.
     pub failures: BTreeMap<String, Failures>,
     pub failed_asks: Failures,
 }
@@ -71,17 +74,18 @@ impl Tally {
             self.first_failure.get_or_insert_with(|| (run.seed(), run.message().to_owned()));
         }
         let planner = run.text(PLANNER);
+        let name = self.entry.as_deref().unwrap_or(planner).to_owned();
         let queries = run.queries();
         // Queries of a failed run count only if a clock ended one: then other figures depend on the machine too.
         if (run.is_done() || queries.depends_on_machine()) && (!planner.is_empty() || queries.asks > 0) {
-            *self.queries.entry(planner.to_owned()).or_default() += queries;
+            *self.queries.entry(name.clone()).or_default() += queries;
         }
         if !run.is_done() {
             return;
         }
         self.failed_asks += Failures::of_asks(run);
         if !planner.is_empty() {
-            *self.failures.entry(planner.to_owned()).or_default() += Failures::of_queries(run);
+            *self.failures.entry(name).or_default() += Failures::of_queries(run);
         }
         let number = |column| run.number(column).unwrap_or(0.0);
         // Without agents on both sides nobody wins.
@@ -130,7 +134,7 @@ impl Tally {
     /// Describes the failures of each planner, and of custom policies.
     pub fn failure_sentences(&self) -> Vec<String> {
         let planners = self.failures.iter().filter_map(|(planner, failures)| failures.of_planner(planner));
-        planners.chain(self.failed_asks.of_policies()).collect()
+        planners.chain(self.failed_asks.of_policies(self.entry.as_deref())).collect()
     }
 
     /// Describes for each planner whether a limit of time or memory changed an outcome.

@@ -94,6 +94,12 @@ pub struct Program {
     pub restarts: u32,
     /// One process for all runs of a worker instead of one for each run.
     pub reuse: bool,
+    /// Run it without a network and with a view of its folder only, read-only, where bubblewrap is installed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub sandbox: bool,
+    /// Name before its lines on stderr instead of that of the table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
     /// The folder in which it works, as loading finds it; empty for the current one.
     #[serde(skip_serializing_if = "is_empty")]
     #[schemars(skip)]
@@ -127,6 +133,8 @@ impl Default for Program {
             expansions_per_query: 0,
             restarts: 3,
             reuse: false,
+            sandbox: false,
+            label: None,
             works_in: PathBuf::new(),
             sha256: BTreeMap::new(),
         }

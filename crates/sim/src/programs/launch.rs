@@ -24,6 +24,8 @@ pub struct Launch {
     pub command: Vec<OsString>,
     /// The folder in which it works.
     pub folder: PathBuf,
+    /// True if it runs behind walls where the system has them.
+    pub is_sandboxed: bool,
     /// Wall time from its start to `ready`, and CPU time if that of queries is limited.
     pub start_limit: Duration,
     /// Wall time of a query.
@@ -91,12 +93,11 @@ impl ProcessError {
     pub fn bad_answer(answer: &[u8], problem: &str) -> Self {
         // A character has four bytes at most.
         let beginning = String::from_utf8_lossy(&answer[..answer.len().min(4 * MAX_QUOTED)]);
-        let quoted: String = beginning.chars().take(MAX_QUOTED).collect();
-        let more = if beginning.chars().nth(MAX_QUOTED).is_some() { "…" } else { "" };
-        Self {
-            kind: ProcessErrorKind::BadAnswer,
-            message: format!("answered `{}{more}`: {problem}", visible(quoted.trim_end())),
-        }
+        // Escapes count: the problem comes after them and must not be cut off.
+        let shown = visible(beginning.trim_end());
+        let quoted: String = shown.chars().take(MAX_QUOTED).collect();
+        let more = if shown.chars().nth(MAX_QUOTED).is_some() { "…" } else { "" };
+        Self { kind: ProcessErrorKind::BadAnswer, message: format!("answered `{quoted}{more}`: {problem}") }
     }
 }
 
@@ -131,4 +132,17 @@ pub struct ProcessLimits {
 pub fn say(name: &str, line: &str) {
     // A line that nobody can read is no reason to stop.
     let _ = writeln!(io::stderr(), "{name}: {}", visible(line));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn problem_of_an_answer_stands_after_a_short_quotation_whatever_was_answered() {
+        for answer in ["\u{7}".repeat(5000), "ü".repeat(5000), "x".into(), String::new()] {
+            let message = ProcessError::bad_answer(answer.as_bytes(), "it is no JSON").message;
+            assert!(message.chars().count() < 250 && message.ends_with("`: it is no JSON"), "{message}");
+        }
+    }
 }

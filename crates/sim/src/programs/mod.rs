@@ -24,6 +24,8 @@ pub mod process;
 #[cfg(unix)]
 mod process_tree;
 #[cfg(unix)]
+pub mod sandbox;
+#[cfg(unix)]
 pub mod supervisor;
 
 #[cfg(not(target_family = "wasm"))]

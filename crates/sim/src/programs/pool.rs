@@ -249,9 +249,10 @@ fn limits(limits: &SpeedLimits) -> LimitsMessage {
 fn launch(name: &PlannerName, table: &Program) -> Launch {
     let folder = if table.works_in.as_os_str().is_empty() { Path::new(".") } else { &table.works_in };
     Launch {
-        name: name.to_string(),
+        name: table.label.clone().unwrap_or_else(|| name.to_string()),
         command: table.command.iter().map(Into::into).collect(),
         folder: folder.to_owned(),
+        is_sandboxed: table.sandbox,
         start_limit: Duration::from_secs_f64(table.start_limit_s),
         query_limit: Duration::from_secs_f64(table.query_limit_s),
         query_cpu: table.query_cpu_s.map(Duration::from_secs_f64),

@@ -18,6 +18,7 @@ use nix::unistd::Pid;
 
 use super::launch::{CpuLimit, Launch, MAX_STDERR_LINES, ProcessError, QueryLimits, say};
 use super::process_tree::GroupClock;
+use super::sandbox;
 use super::supervisor::{self, Exceeded, ExitCause, GRACE, Report, SupervisorCommand};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::untrusted::visible;
@@ -78,7 +79,11 @@ impl Process {
         for fd in [to.as_fd(), from.as_fd(), control.as_fd()] {
             fcntl(fd, FcntlArg::F_SETFL(OFlag::O_NONBLOCK)).map_err(|error| cannot(error.into()))?;
         }
-        let mut command = supervisor::command(program.limits, &program.folder, &program.command).map_err(cannot)?;
+        let command_line = match program.is_sandboxed {
+            true => sandbox::sandboxed(&program.folder, &program.command),
+            false => program.command.clone(),
+        };
+        let mut command = supervisor::command(program.limits, &program.folder, &command_line).map_err(cannot)?;
         // The supervisor's stderr is its control socket; the program's own goes through it.
         command.stdin(reader).stdout(writer).stderr(OwnedFd::from(other_end));
         let supervisor = command.spawn().map_err(|error| {

@@ -154,6 +154,10 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
         let worst = wildfire_base::document::number::short(worst);
         lines.push(format!("Runs that failed, or have no value, count as {worst}, the worst value of all"));
     }
+    lines.extend(ranking.entries.iter().filter_map(|entry| {
+        let reason = entry.first_failure.as_ref()?;
+        Some(format!("{}: {} of {} failed; the first: {reason}", name(entry), entry.failed, count(entry.runs, "run")))
+    }));
     let metric = visible_start(&ranking.metric.name);
     lines.extend(ranking.entries.iter().filter(|entry| entry.without_value > 0).map(|entry| {
         let runs = count(entry.without_value, "run");

@@ -282,12 +282,13 @@ fn divided<'a>(
     Ok(entries)
 }
 
-/// Names the entries: by what varies in their table, by its folder if it is one of several, and by its path if that does
+/// Names the entries: by their names in a course, by what varies in their table, by its folder if it is one of several, and by its path if that does
 /// not tell them apart.
 fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
     let is_one_table = entries.windows(2).all(|both| std::ptr::eq(both[0].table, both[1].table));
-    let ways: [fn(&EntryRuns<'_>) -> String; 3] = [name_by_levels, name_by_folder, name_by_path];
-    for way in ways.into_iter().skip(usize::from(!is_one_table)) {
+    let by_levels: fn(&EntryRuns<'_>) -> String = if is_one_table { name_by_levels } else { name_by_entry };
+    let ways: [fn(&EntryRuns<'_>) -> String; 4] = [name_by_entry, by_levels, name_by_folder, name_by_path];
+    for way in ways {
         let names: Vec<String> = entries.iter().map(way).collect();
         let distinct: BTreeSet<&String> = names.iter().collect();
         if distinct.len() == names.len() && !names.iter().any(String::is_empty) {
@@ -318,6 +319,13 @@ fn at_place(place: String, levels: String) -> String {
 fn folder_name(entry: &EntryRuns<'_>) -> String {
     let path = entry.table.path.parent().and_then(Path::file_name);
     path.map_or_else(|| "runs.csv".into(), |name| visible_start(&name.to_string_lossy()))
+}
+
+/// The entry's name in a course, also of a batch with this entry only; empty if it has none.
+fn name_by_entry(entry: &EntryRuns<'_>) -> String {
+    let column = entry.table.conditions.iter().find(|condition| condition.name == ENTRY_COLUMN);
+    let first = column.zip(entry.runs.first());
+    first.map_or_else(String::new, |(column, run)| visible_start(column.level_of(run.index)))
 }
 
 fn name_by_levels(entry: &EntryRuns<'_>) -> String {

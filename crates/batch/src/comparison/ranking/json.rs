@@ -42,6 +42,7 @@ fn entry(ranking: &Ranking, place: usize, entry: &RankedEntry) -> impl Serialize
         runs: entry.runs,
         less_first: ranking.pair(0, place).map(|pair| difference(&pair.contrast)),
         failed: entry.failed,
+        first_failure: &entry.first_failure,
         without_value: entry.without_value,
         queries: entry.queries,
         // That a limit of time or memory changed an outcome.

@@ -109,6 +109,8 @@ pub struct RankedEntry {
     pub queries: QueryTally,
     /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
     pub failures: Vec<(String, u64)>,
+    /// Why the first of its failed runs failed.
+    pub first_failure: Option<String>,
     /// The table that contains its runs.
     pub table: PathBuf,
     /// The numbers of its runs in their plan, best values of the metric first.
@@ -233,6 +235,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
             failures: failures_of(entry),
+            first_failure: entry.runs.iter().find_map(|run| entry.table.messages.get(&run.index).cloned()),
             table: entry.table.path.clone(),
             // Runs go in the order of goodness, so that a reader finds the best and the worst run of an entry to play.
             run_numbers: best_first(entry, &numbers, better),

@@ -3,15 +3,18 @@
 use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use super::index::{LineStart, Lines, RowReader, read_line_at};
 use super::line::{Entry, Head, decode, encode, encode_row};
 use super::{JournalError, JournalIndex};
-use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RunRow, Status};
+use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RealDisk, RunRow, Status};
 use crate::plan::{BatchPlan, Slice};
 use wildfire_base::time::wall::WallStopwatch;
 use wildfire_base::whole_file::sync_folder_of;
+
+/// The most bytes of a journal that are kept in memory.
+const MAX_GUARDED_BYTES: usize = 1 << 28;
 
 /// Bytes of a journal that are brought to their place at once.
 const BROUGHT_BYTES: usize = 1 << 20;
@@ -27,6 +30,40 @@ pub struct OpenJournal {
     sync_every: Duration,
     /// Since the first line that is not on the disk yet.
     unsynced: Option<WallStopwatch>,
+    guard: Option<JournalGuard>,
+}
+
+/// What restores the files of a batch after a program has changed them.
+struct JournalGuard {
+    /// All lines of the journal.
+    lines: Vec<u8>,
+    /// Its file as this process left it.
+    stamp: Option<FileStamp>,
+    plan_path: PathBuf,
+    plan: Vec<u8>,
+}
+
+/// What tells that a file was written to, even if it is as long as before.
+#[derive(Clone, Copy, PartialEq)]
+struct FileStamp {
+    length: u64,
+    modified: Option<SystemTime>,
+    #[cfg(unix)]
+    changed: (i64, i64),
+}
+
+impl FileStamp {
+    fn new(metadata: &Metadata) -> Self {
+        #[cfg(unix)]
+        use std::os::unix::fs::MetadataExt;
+        Self {
+            length: metadata.len(),
+            modified: metadata.modified().ok(),
+            // A program cannot set this one.
+            #[cfg(unix)]
+            changed: (metadata.ctime(), metadata.ctime_nsec()),
+        }
+    }
 }
 
 /// The file that a journal on a local disk is brought to.
@@ -92,7 +129,7 @@ impl LockedJournal {
         }
         let writer = writer_of(disk, &path, &file)?;
         let is_empty = index.end() == 0;
-        let mut journal = OpenJournal { path, file, writer, index, home, sync_every, unsynced: None };
+        let mut journal = OpenJournal { path, file, writer, index, home, sync_every, unsynced: None, guard: None };
         // The head is on disk before any run begins, so that the folder is known as begun.
         if is_empty {
             let head = encode(&Head::new(&sha256, slice));
@@ -214,9 +251,75 @@ fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
 }
 
 impl OpenJournal {
+    /// Keeps what restores the journal and the file of the plan, while programs run that might change them.
+    pub fn guard(&mut self, plan_path: PathBuf) -> Result<(), BatchError> {
+        // A journal on a local disk is out of reach, or as good as that.
+        if self.home.is_some() {
+            return Ok(());
+        }
+        let lines = fs::read(&self.path).map_err(|source| JournalError::unreadable(&self.path, source))?;
+        let plan = fs::read(&plan_path).map_err(|source| JournalError::unreadable(&plan_path, source))?;
+        let stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
+        self.guard = (lines.len() <= MAX_GUARDED_BYTES).then_some(JournalGuard { lines, stamp, plan_path, plan });
+        Ok(())
+    }
+
+    /// Restores what a program has changed since the last call, and says what that was; `None` if nothing was changed, or
+    /// nothing guards the journal.
+    pub fn restore(&mut self) -> Result<Option<String>, BatchError> {
+        let Some(guard) = &self.guard else { return Ok(None) };
+        let mut change = None;
+        // The plan first: without its folder the journal cannot be there.
+        if fs::read(&guard.plan_path).ok().as_ref() != Some(&guard.plan) {
+            change = Some(format!("{} was changed", name_of(&guard.plan_path)));
+            fs::create_dir_all(guard.plan_path.parent().unwrap_or(Path::new(".")))
+                .and_then(|()| wildfire_base::whole_file::write_whole(&guard.plan_path, &guard.plan))
+                .map_err(|source| BatchError::unwritable(&guard.plan_path, source))?;
+        }
+        let stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
+        // Some network file systems date files again by themselves, so the lines decide.
+        let is_rewritten = stamp != guard.stamp && fs::read(&self.path).ok().as_ref() != Some(&guard.lines);
+        let found = match self.expect_unchanged() {
+            Err(JournalError::Changed { change, .. }) => Some(change),
+            Err(error) => return Err(error.into()),
+            Ok(()) if is_rewritten => Some("its lines were rewritten".into()),
+            Ok(()) => None,
+        };
+        self.guard.iter_mut().for_each(|guard| guard.stamp = stamp);
+        if let Some(found) = found {
+            change = Some(format!("{}: {found}", name_of(&self.path)));
+            self.rewrite()?;
+        }
+        Ok(change)
+    }
+
+    /// Refuses lines that are not those that were written; a guarded journal is restored instead.
+    pub fn restore_lines(&mut self) -> Result<(), BatchError> {
+        if self.guard.is_some() && self.rows()?.expect_unchanged_lines().is_err() {
+            self.rewrite()?;
+        }
+        Ok(())
+    }
+
+    /// Puts a new file with all lines in the place of the journal.
+    fn rewrite(&mut self) -> Result<(), BatchError> {
+        let Some(guard) = &mut self.guard else { return Ok(()) };
+        let _ = fs::remove_file(&self.path);
+        let emptied = open_to_append(&self.path).and_then(|file| file.set_len(0).map(|()| file));
+        let file = emptied.map_err(|source| BatchError::unwritable(&self.path, source))?;
+        // Where files cannot be locked, the first lock was refused already, or not asked for.
+        let _ = file.try_lock();
+        self.writer = writer_of(&RealDisk, &self.path, &file)?;
+        let written = self.writer.append(&guard.lines).and_then(|()| self.writer.sync());
+        written.map_err(|source| BatchError::unwritable(&self.path, source))?;
+        guard.stamp = file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
+        self.file = file;
+        Ok(())
+    }
+
     /// Writes the line of a run, and syncs it with all earlier lines if the oldest of them has waited long.
     pub fn add(&mut self, run: u64, status: Status, line: &[u8]) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         self.write(line)?;
         self.index.append(run, status, line);
         match self.unsynced.get_or_insert_with(WallStopwatch::start).elapsed() {
@@ -230,7 +333,7 @@ impl OpenJournal {
     /// # Errors
     /// If the disk cannot be written, or the journal is no longer as this process left it.
     pub fn sync_if_due(&mut self) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         match self.unsynced {
             Some(since) if since.elapsed() >= self.sync_every => self.sync(),
             _ => Ok(()),
@@ -239,7 +342,7 @@ impl OpenJournal {
 
     /// Syncs all lines to the disk.
     pub fn sync(&mut self) -> Result<(), BatchError> {
-        self.expect_unchanged()?;
+        self.expect_unchanged_unless_guarded()?;
         self.unsynced = None;
         self.writer.sync().map_err(|source| BatchError::unwritable(&self.path, source))
     }
@@ -274,6 +377,11 @@ impl OpenJournal {
         Ok(())
     }
 
+    /// What guards restore, they need not refuse.
+    fn expect_unchanged_unless_guarded(&mut self) -> Result<(), JournalError> {
+        if self.guard.is_some() { Ok(()) } else { self.expect_unchanged() }
+    }
+
     /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word. A second
     /// process that writes to it is found by this, too.
     fn expect_unchanged(&mut self) -> Result<(), JournalError> {
@@ -297,7 +405,14 @@ impl OpenJournal {
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), BatchError> {
-        self.writer.append(bytes).map_err(|source| BatchError::unwritable(&self.path, source))
+        self.writer.append(bytes).map_err(|source| BatchError::unwritable(&self.path, source))?;
+        let Some(guard) = &mut self.guard else { return Ok(()) };
+        guard.lines.extend_from_slice(bytes);
+        guard.stamp = self.file.metadata().ok().map(|metadata| FileStamp::new(&metadata));
+        if guard.lines.len() > MAX_GUARDED_BYTES {
+            self.guard = None;
+        }
+        Ok(())
     }
 
     pub fn index(&self) -> &JournalIndex {
@@ -313,6 +428,10 @@ impl OpenJournal {
     pub fn rows(&self) -> Result<RowReader<'_>, JournalError> {
         RowReader::new(self.path.clone(), &self.file, &self.index)
     }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[cfg(unix)]

@@ -1,22 +1,23 @@
-//! Courses: a rules file that fixes everything but what it frees, and the files of agents, who enter.
+//! Courses: a rules file that fixes everything but what it frees, and the files of entries.
 //!
 //! ```toml
-//! free = ["unimog.planner", "planner.*"]   # what agents may set, and all below
+//! free = ["unimog.planner", "planner.*"]   # what entries may set, and all below
 //! seeds = "@seeds.txt"                     # a file beside this one, or the seeds themselves
 //!
-//! [limits]                                 # of every agent
+//! [limits]                                 # of every entry
 //! seconds_per_expansion = 0.0005
 //!
 //! [scenario]
 //! from = "contest"                         # or a file; other keys change it
 //! ```
 //!
-//! An agent's file is the part of a scenario that is free. Each agent is a variant of the plan, with its name in the
-//! column [`ENTRY_COLUMN`]: the scenario of the rules with the agent's values as changes, so that any run can be repeated
-//! by itself. Under `[conditions]`, if there are any, each agent plays the scenario with the values of each of them, and the
+//! An entry's file is the part of a scenario that is free. Each entry is a variant of the plan, with its name in the
+//! column [`ENTRY_COLUMN`]: the scenario of the rules with the entry's values as changes, so that any run can be repeated
+//! by itself. Under `[conditions]`, if there are any, each entry plays the scenario with the values of each of them, and the
 //! name of the condition is in the column [`CONDITION_COLUMN`].
 
-mod agent_file;
+mod entry_file;
+mod grading_rules;
 mod rules_file;
 
 use std::collections::BTreeSet;
@@ -33,8 +34,9 @@ use super::{
     BatchPlan, ENTRY_COLUMN, FreeParameters, MAX_RUNS, Record, RequestError, Seeds, Value, Variant, kept_program,
     rules_of,
 };
-pub(crate) use agent_file::AgentFile;
-pub use agent_file::EntryCard;
+pub use entry_file::EntryCard;
+pub(crate) use entry_file::EntryFile;
+pub use grading_rules::GradingRules;
 use rules_file::Condition;
 pub(crate) use rules_file::Course;
 pub use rules_file::schema as rules_schema;
@@ -43,10 +45,13 @@ use wildfire_scenario::{FieldPath, MAX_SCENARIO_BYTES, PathStep, first_too_deep,
 /// The column with the name of the condition under which an entry plays.
 pub const CONDITION_COLUMN: &str = "condition";
 
-/// The most agents of a course.
-const MAX_AGENTS: usize = 100;
+/// The usual name of an entry's file, in a folder of its own.
+pub(crate) const ENTRY_FILE: &str = "entry.toml";
 
-/// A fault of a rules file, or of an agent's.
+/// The most entries of a course.
+const MAX_ENTRIES: usize = 100;
+
+/// A fault of a rules file, or of an entry's.
 #[derive(Debug, Error)]
 #[error("{}: {message}", RulesPlace(path, *line))]
 pub struct CourseError {
@@ -58,9 +63,9 @@ pub struct CourseError {
     pub unreadable: Option<ErrorKind>,
 }
 
-/// Reads the table `[entry]` of an agent's file; `None` if it has none.
+/// Reads the table `[entry]` of an entry's file; `None` if it has none.
 pub fn read_card(path: &Path) -> Result<Option<EntryCard>, CourseRefusal> {
-    AgentFile::read(path).map(|agent| agent.card).map_err(|error| CourseRefusal::Agents(vec![error]))
+    EntryFile::read(path).map(|entry| entry.card).map_err(|error| CourseRefusal::Entries(vec![error]))
 }
 
 struct RulesPlace<'a>(&'a Path, Option<usize>);
@@ -79,23 +84,23 @@ impl fmt::Display for RulesPlace<'_> {
 pub enum CourseRefusal {
     #[error(transparent)]
     Rules(CourseError),
-    #[error("{} errors in agent files, the first: {}", .0.len(), .0[0])]
-    Agents(Vec<CourseError>),
+    #[error("{} errors in entry files, the first: {}", .0.len(), .0[0])]
+    Entries(Vec<CourseError>),
     #[error(transparent)]
     Request(RequestError),
-    #[error("{count} agents are too many; expected at most {MAX_AGENTS}")]
-    TooManyAgents { count: usize },
+    #[error("{count} entries are too many; expected at most {MAX_ENTRIES}")]
+    TooManyEntries { count: usize },
 }
 
-/// A course and its agents as they are asked for.
+/// A course and its entries as they are asked for.
 #[derive(Clone, Debug, Default)]
 pub struct CourseRequest {
     pub rules: PathBuf,
-    pub agents: Vec<PathBuf>,
+    pub entries: Vec<PathBuf>,
     /// Seeds in the place of those of the rules.
     pub seeds: Option<Seeds>,
     pub record: Option<Record>,
-    /// True if agents whose files are refused are left out, and the others run.
+    /// True if entries whose files are refused are left out, and the others run.
     pub skips_refused: bool,
 }
 
@@ -103,7 +108,7 @@ pub struct CourseRequest {
 #[derive(Debug)]
 pub struct CoursePlan {
     pub plan: BatchPlan,
-    /// Faults of agents that are left out.
+    /// Faults of entries that are left out.
     pub left_out: Vec<CourseError>,
 }
 
@@ -111,19 +116,19 @@ impl CourseRequest {
     /// Reads all files and makes the plan. More than [`RUNS_WITHOUT_FORCE`] runs must be insisted on.
     ///
     /// # Errors
-    /// If the rules are refused, or all agents are, or one is and it may not be left out.
+    /// If the rules are refused, or all entries are, or one is and it may not be left out.
     pub fn resolve(&self, force: bool) -> Result<CoursePlan, CourseRefusal> {
-        if self.agents.len() > MAX_AGENTS {
-            return Err(CourseRefusal::TooManyAgents { count: self.agents.len() });
+        if self.entries.len() > MAX_ENTRIES {
+            return Err(CourseRefusal::TooManyEntries { count: self.entries.len() });
         }
-        self.resolve_by(&Course::read(&self.rules).map_err(CourseRefusal::Rules)?, &AgentFile::read, force)
+        self.resolve_by(&Course::read(&self.rules).map_err(CourseRefusal::Rules)?, &EntryFile::read, force)
     }
 
-    /// The same by rules that were read, with agents that `read` reads.
+    /// The same by rules that were read, with entries that `read` reads.
     pub(crate) fn resolve_by(
         &self,
         course: &Course,
-        read: &dyn Fn(&Path) -> Result<AgentFile, CourseError>,
+        read: &dyn Fn(&Path) -> Result<EntryFile, CourseError>,
         force: bool,
     ) -> Result<CoursePlan, CourseRefusal> {
         let seeds = match &self.seeds {
@@ -134,13 +139,13 @@ impl CourseRequest {
         let mut left_out = Vec::new();
         let mut bytes = 0;
         let mut shared: Vec<SharedRules> = course.conditions.iter().map(|_| SharedRules::default()).collect();
-        for (path, name) in self.agents.iter().zip(self.names()) {
+        for (path, name) in self.entries.iter().zip(self.names()) {
             let found = name.map_err(|error| vec![error]).and_then(|name| {
-                let agent = read(path).map_err(|error| vec![error])?;
-                let name = agent.card.as_ref().map_or(name, |card| card.name.clone());
+                let entry = read(path).map_err(|error| vec![error])?;
+                let name = entry.card.as_ref().map_or(name, |card| card.name.clone());
                 let variants = course.conditions.iter().zip(&mut shared).map(|(condition, shared)| {
                     // The whole scenario is built, as some values are valid only together with others.
-                    let variant = course.variant(&agent, &name, condition)?;
+                    let variant = course.variant(&entry, &name, condition)?;
                     let admitted = shared.admit(course, &variant, name.clone());
                     admitted.map_err(|message| vec![fault(path, None, &message)])?;
                     Ok(variant)
@@ -157,7 +162,7 @@ impl CourseRequest {
         }
         // Agents with faults are skipped only if that is asked for: a contest should not lose an entry silently.
         if variants.is_empty() || !self.skips_refused && !left_out.is_empty() {
-            return Err(CourseRefusal::Agents(left_out));
+            return Err(CourseRefusal::Entries(left_out));
         }
         // The product takes 128 bits: a range of seeds may reach to 2^64, and the variants would make it overflow.
         let count = u128::from(seeds.count()) * variants.len() as u128;
@@ -188,36 +193,38 @@ impl CourseRequest {
         })
     }
 
-    /// Names the agents: by their files' names without the ending, or by their paths where those are not distinct.
+    /// Names the entries: by their files' names without the ending, those of `entry.toml` by their folders, or by their paths
+    /// where those are not distinct.
     fn names(&self) -> Vec<Result<String, CourseError>> {
-        let stems: BTreeSet<String> = self.agents.iter().map(|path| stem(path)).collect();
-        let are_distinct = stems.len() == self.agents.len();
-        let names = self.agents.iter().enumerate().map(|(index, path)| {
-            if self.agents[..index].contains(path) {
-                return Err(fault(path, None, "it is named twice; expected every agent once"));
+        let short_names: BTreeSet<String> = self.entries.iter().map(|path| short_name(path)).collect();
+        let are_distinct = short_names.len() == self.entries.len();
+        let names = self.entries.iter().enumerate().map(|(index, path)| {
+            if self.entries[..index].contains(path) {
+                return Err(fault(path, None, "it is named twice; expected every entry once"));
             }
-            Ok(if are_distinct { stem(path) } else { path.with_extension("").to_string_lossy().into_owned() })
+            Ok(if are_distinct { short_name(path) } else { path.with_extension("").to_string_lossy().into_owned() })
         });
         names.collect()
     }
 }
 
-fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+fn short_name(path: &Path) -> String {
+    let folder = path.parent().and_then(Path::file_name).filter(|_| path.ends_with(ENTRY_FILE));
+    folder.or(path.file_stem()).unwrap_or_default().to_string_lossy().into_owned()
 }
 
 impl Course {
-    /// The variant of an agent under a condition, or all that its file is refused for.
-    fn variant(&self, agent: &AgentFile, name: &str, condition: &Condition) -> Result<Variant, Vec<CourseError>> {
+    /// The variant of an entry under a condition, or all that its file is refused for.
+    fn variant(&self, entry: &EntryFile, name: &str, condition: &Condition) -> Result<Variant, Vec<CourseError>> {
         let mut changes = [&self.changes[..], &condition.changes].concat();
-        let agents_changes = agent.changes(self)?;
-        changes.extend(agents_changes.iter().map(|change| change.option.clone()));
+        let changes_of_entry = entry.changes(self, name)?;
+        changes.extend(changes_of_entry.iter().map(|change| change.option.clone()));
         let scenario = self.scenario(&changes).map_err(|error| {
-            let line = agents_changes
+            let line = changes_of_entry
                 .iter()
                 .find(|change| error.location.as_ref().is_some_and(|place| place.is_in(&change.option)))
                 .map(|change| change.line);
-            vec![fault(&agent.path, line, &message_of(&error))]
+            vec![fault(&entry.path, line, &message_of(&error))]
         })?;
         let mut swept = vec![Value::Text(name.to_owned())];
         swept.extend(self.has_conditions().then(|| Value::Text(condition.name.clone())));
@@ -315,7 +322,7 @@ fn leaves(table: Table) -> Vec<Leaf> {
     found
 }
 
-fn fault(path: &Path, line: Option<usize>, message: &str) -> CourseError {
+pub(crate) fn fault(path: &Path, line: Option<usize>, message: &str) -> CourseError {
     CourseError { path: path.to_owned(), line, message: message.to_owned(), unreadable: None }
 }
 

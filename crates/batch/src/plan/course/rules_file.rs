@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value as TomlValue};
 
+use super::grading_rules::{GradingFault, GradingRules};
 use super::{CourseError, Leaf, fault, leaves, message_of, read_toml, syntax};
 use crate::plan::file::{SeedList, located};
 use crate::plan::seeds::MAX_SEEDS_BYTES;
@@ -23,11 +24,11 @@ const USUAL_SCENARIO: &str = "contest";
 const WALL_OF_CPU: f64 = 10.0;
 const LONGEST_WALL_S: f64 = 3600.0;
 
-/// A rules file: the values that agents may set, and all fixed values.
+/// A rules file: the values that entries may set, and all fixed values.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RulesFile {
-    /// Keys that agents may set, and all below them, such as `unimog.planner` and `planner.*`.
+    /// Keys that entries may set, and all below them, such as `unimog.planner` and `planner.*`.
     free: Vec<String>,
     /// Seeds as a text or a list, or `@FILE` that holds them, from this file's folder.
     seeds: SeedList,
@@ -42,12 +43,14 @@ struct RulesFile {
     #[serde(default)]
     #[schemars(with = "serde_json::Map<String, serde_json::Value>")]
     conditions: Table,
+    /// How `wildfire grade` marks entries.
+    grading: Option<GradingRules>,
     record: Option<Record>,
     /// Memory limit of each run, such as `4GB`; 2 GB by default.
     memory: Option<String>,
 }
 
-/// Upper limits for an agent's program; lower limits for the charges `seconds_per_expansion` of every planner and
+/// Upper limits for an entry's program; lower limits for the charges `seconds_per_expansion` of every planner and
 /// `expansions_per_query` of every program.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -63,16 +66,16 @@ pub struct ProgramLimits {
     start_instructions: Option<f64>,
 }
 
-/// A limit of a course: the key of a program's table, and the value that it has unless an agent asks for less.
+/// A limit of a course: the key of a program's table, and the value that it has unless an entry asks for less.
 pub struct ProgramLimit {
     pub key: &'static str,
     pub value: f64,
-    /// True if agents may ask for less and not for more; else it is the other way round.
+    /// True if entries may ask for less and not for more; else it is the other way round.
     pub is_most: bool,
 }
 
 impl ProgramLimit {
-    /// Says whether an agent may ask for a value.
+    /// Says whether an entry may ask for a value.
     pub fn admits(&self, requested: f64) -> bool {
         if self.is_most { requested <= self.value } else { requested >= self.value }
     }
@@ -116,6 +119,7 @@ pub struct Course {
     /// The same as they are written.
     pub free_keys: Vec<String>,
     pub limits: ProgramLimits,
+    pub grading: Option<GradingRules>,
     pub record: Option<Record>,
     pub memory: MemoryLimit,
     /// Changes that make the scenario of the rules of `base`.
@@ -148,7 +152,7 @@ impl Course {
         let mut file: RulesFile = toml::from_str(text).map_err(|error| syntax(path, text, &error))?;
         let at = |key: &str, message: &str| fault(path, Some(FieldPath::parse(key).line_in(text)), message);
         if file.free.is_empty() {
-            return Err(at("free", "`free` is empty, so agents could set nothing; expected at least one key"));
+            return Err(at("free", "`free` is empty, so entries could set nothing; expected at least one key"));
         }
         if file.free.len() > MAX_FREE_KEYS {
             let message = format!("{} keys are free; expected at most {MAX_FREE_KEYS}", file.free.len());
@@ -214,12 +218,16 @@ impl Course {
         if conditions.is_empty() {
             conditions.push(Condition::default());
         }
+        if let Some(Err(GradingFault { key, message })) = file.grading.as_ref().map(GradingRules::check) {
+            return Err(at(&format!("grading.{key}"), &message));
+        }
         let (limits, record) = (file.limits, file.record);
         let mut course = Self {
             path: path.to_owned(),
             free,
             free_keys: file.free,
             limits,
+            grading: file.grading,
             record,
             memory,
             changes,

@@ -56,7 +56,7 @@ impl Collected {
         let mut stuck: Vec<(u64, f64)> = Vec::new();
         let mut number = 0;
         for (index, variant) in plan.variants.iter().enumerate() {
-            let mut report = VariantReport::new(plan.title(variant), &variant.scenario, plan.validity());
+            let mut report = VariantReport::new(plan, variant);
             let mut values = Values { validity: plan.validity(), ..Values::default() };
             for _ in 0..plan.seeds_of(index) {
                 number += 1;

@@ -1,4 +1,4 @@
-//! The file of an agent: the part of a scenario that the rules leave free.
+//! The file of an entry: the part of a scenario that the rules leave free.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::plan::TABLES_OF_PROGRAMS;
 use crate::plan::free::is_price;
 use wildfire_scenario::{Fault, FieldPath, PathStep};
 
-/// The table of an agent's file that is no part of a scenario.
+/// The table of an entry's file that is no part of a scenario.
 const ENTRY_TABLE: &str = "entry";
 
 /// The most bytes of a name, and of all other texts of a card.
@@ -22,7 +22,7 @@ const MAX_CARD_BYTES: usize = 4000;
 /// The most values of a file.
 const MAX_VALUES: usize = 500;
 
-/// The table `[entry]` of an agent's file: who enters, for those who read a board.
+/// The table `[entry]` of an entry's file: who enters, for those who read a board.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EntryCard {
@@ -41,8 +41,8 @@ pub struct EntryCard {
     pub tracks: Vec<String>,
 }
 
-/// An agent's file that was read.
-pub struct AgentFile {
+/// An entry's file that was read.
+pub struct EntryFile {
     pub path: PathBuf,
     pub card: Option<EntryCard>,
     text: String,
@@ -67,7 +67,7 @@ impl EntryCard {
     }
 }
 
-impl AgentFile {
+impl EntryFile {
     pub fn read(path: &Path) -> Result<Self, CourseError> {
         let (text, table) = read_toml(path)?;
         Self::new(path, text, table)
@@ -101,8 +101,8 @@ impl AgentFile {
         Ok(Self { path: path.to_owned(), card, text, table })
     }
 
-    /// The changes that it makes to the scenario of the rules, or every value that these do not allow.
-    pub fn changes(&self, course: &Course) -> Result<Vec<CourseChange>, Vec<CourseError>> {
+    /// The changes that it makes to the scenario of the rules under its name, or every value that these do not allow.
+    pub fn changes(&self, course: &Course, name: &str) -> Result<Vec<CourseChange>, Vec<CourseError>> {
         let found = leaves(self.table.clone());
         if found.len() > MAX_VALUES {
             let message = format!("{} values are too many; expected at most {MAX_VALUES}", found.len());
@@ -123,13 +123,18 @@ impl AgentFile {
             return Err(faults);
         }
         // Programs are completed only now, so the faults above are about what is written in the file.
-        changes.extend(self.changes_of_programs(&course.limits).map_err(|fault| vec![fault])?);
+        changes.extend(self.changes_of_programs(&course.limits, name).map_err(|fault| vec![fault])?);
         Ok(changes)
     }
 
-    /// Returns the changes that complete its programs: the limits that the file does not ask for, and its folder.
-    fn changes_of_programs(&self, limits: &ProgramLimits) -> Result<Vec<CourseChange>, CourseError> {
-        let agent_folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    /// Returns the changes that complete its programs: the limits that the file does not ask for, its folder, its walls, and
+    /// whose they are: all of a class may have one name.
+    fn changes_of_programs(
+        &self,
+        limits: &ProgramLimits,
+        name_of_entry: &str,
+    ) -> Result<Vec<CourseChange>, CourseError> {
+        let entry_folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();
         for list in TABLES_OF_PROGRAMS {
             let tables = self.table.get(list).and_then(TomlValue::as_table).into_iter().flatten();
@@ -144,14 +149,17 @@ impl AgentFile {
                     );
                     return Err(fault(&self.path, Some(line), &message));
                 };
-                let folder = agent_folder.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
-                // The path is absolute, as a batch may be resumed from another working directory.
+                let folder = entry_folder.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
                 let folder = fs::canonicalize(&folder).map_err(|error| {
                     fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
                 })?;
                 let folder = TomlValue::String(folder.to_string_lossy().into_owned());
                 changes.push(CourseChange { option: format!("{key}.folder={folder}"), line });
-                // What the file itself sets was checked against the limit in `change`, and stays.
+                if table.contains_key("command") {
+                    let label = TomlValue::String(name_of_entry.to_owned());
+                    changes.push(CourseChange { option: format!("{key}.sandbox=true"), line });
+                    changes.push(CourseChange { option: format!("{key}.label={label}"), line });
+                }
                 for limit in limits.configured().into_iter().filter(|limit| !table.contains_key(limit.key)) {
                     changes.push(CourseChange { option: format!("{key}.{}={}", limit.key, limit.value), line });
                 }
@@ -189,12 +197,17 @@ fn change(leaf: &Leaf, course: &Course) -> Result<Option<String>, String> {
     };
     let is_of_program = TABLES_OF_PROGRAMS.contains(&steps[0]) && steps.len() == 3;
     match steps.last() {
-        // A process that is kept between runs could carry what it learned from one seed to the next.
+        Some(&"sandbox") if is_of_program && leaf.value.as_bool() != Some(true) => {
+            return Err(format!(
+                "`{written}` is {}; in a course programs run in a sandbox where there is one",
+                leaf.value
+            ));
+        }
         Some(&"reuse") if is_of_program && leaf.value.as_bool() != Some(false) => {
             return Err(format!("`{written}` is {}; in a course every run has its own process", leaf.value));
         }
-        // It is made a path that holds wherever the batch is resumed.
-        Some(&"folder") if is_of_program && leaf.value.is_str() => return Ok(None),
+        // Folders are made paths that hold wherever the batch is resumed, and labels are the names of entries.
+        Some(&("folder" | "label")) if is_of_program && leaf.value.is_str() => return Ok(None),
         Some(last) if is_of_program => {
             let limit = course.limits.configured().into_iter().find(|limit| limit.key == *last);
             if let Some(limit) = limit {
