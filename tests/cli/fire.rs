@@ -404,3 +404,45 @@ fn calculators_refuse_rows_by_line_and_column() {
         assert!(!story.path("out.csv").exists(), "{sentence}");
     }
 }
+
+#[test]
+fn custom_fuels_of_a_file_burn_like_built_in_ones_of_the_same_numbers() {
+    let story = Story::begin();
+    story.file("mine.fmd", "ENGLISH\n14 MINE 0.10 0 0 1.00 0 dynamic 2000 1800 0 1.0 15 8000 8000 Low grass\n");
+    let burn = |fuel: &[&str]| {
+        let usual = ["fire", "spread", "--rows", "41", "--cols", "41", "--wind", "3@250", "--arrival", "times.asc"];
+        story.tell(&[&usual[..], fuel].concat()).expect_code(0);
+        story.read("times.asc")
+    };
+    let built_in = burn(&["--fuel", "GR2"]);
+    assert_eq!(burn(&["--fuel", "14", "--fuel-models", "mine.fmd"]), built_in);
+    story
+        .file("fuel.asc", &format!("ncols 41\nnrows 41\nxllcorner 0\nyllcorner 0\ncellsize 5\n{}", "14 ".repeat(1681)));
+    assert_eq!(burn(&["--fuel", "fuel.asc", "--fuel-models", "mine.fmd"]), built_in);
+    let refused = story.tell(&["fire", "spread", "--fuel", "fuel.asc"]).expect_code(2).stderr;
+    assert!(
+        refused.contains("fuel.asc: row 0, column 0: found 14, expected a built-in fuel model or a custom"),
+        "{refused}"
+    );
+    let scenario = "name = \"mine\"\nduration_s = 1200\nwumpus = []\nunimog = []\nfuel_file = \"mine.fmd\"\n\
+        [[fuel]]\nnumber = 300\nloads_kg_m2 = [0.4, 0, 0, 0, 0.6]\nsavs_per_m = [6000, 0, 5000]\ndepth_m = 0.7\n\
+        extinction = 0.2\n[field]\nsize_m = 200\n[fire]\nmodel = \"rothermel\"\n\
+        [fire.rothermel]\nground = 14\nbushes = 300\n[[wind]]\nspeed_mps = 3\ntoward_deg = 20\n\
+        [[ignition]]\nat_s = 0\ncells = [[20, 20]]\n";
+    story.file("mine.toml", scenario);
+    let checked = story.tell(&["check", "mine.toml"]).expect_code(0).stdout;
+    assert!(checked.contains("Custom fuel models (file mine.fmd): 14 MINE, 300 300."), "{checked}");
+    assert!(checked.contains("MINE (Low grass) 90 %"), "{checked}");
+    story.tell(&["run", "mine.toml", "--out", "mine.wildfire"]).expect_code(0);
+    story.tell(&["audit", "mine.wildfire"]).expect_code(0);
+    story.tell(&["batch", "mine.toml", "--seeds", "1..2", "--out", "mine"]).expect_code(0);
+    for (wrong, expected) in [
+        ("--set=fire.rothermel.ground=15", "expected a built-in fuel model, or one of `[[fuel]]` or `fuel_file`"),
+        ("--set=fuel.0.number=14", "there are two fuel models 14"),
+        ("--set=fuel.0.depth_m=0", "depth_m"),
+        ("--set=fuel_file=none.fmd", "none.fmd: "),
+    ] {
+        let refused = story.tell(&["check", "mine.toml", wrong]).expect_code(2).stderr;
+        assert!(refused.contains(expected), "{refused}");
+    }
+}

@@ -275,7 +275,7 @@ pub struct Arrivals<'a> {
     landscape: &'a Landscape,
     weather: &'a Weather,
     rules: RothermelRules,
-    models: Vec<&'static FuelModel>,
+    models: Vec<FuelModel>,
     /// By cell index: the place of its fuel among the models.
     fuel: Vec<Option<u8>>,
     /// By cell index: whether all cells in reach have its fuel.
@@ -300,10 +300,7 @@ impl<'a> Arrivals<'a> {
     pub fn new(landscape: &'a Landscape, weather: &'a Weather, rules: RothermelRules) -> Self {
         let frame = landscape.frame;
         // Tables are by the fuels of this field, not by all 256 numbers: there is one per interval.
-        let mut is_there = [false; 256];
-        landscape.fuel.iter().for_each(|&number| is_there[usize::from(number)] = true);
-        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
-        let models: Vec<_> = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let models = landscape.burning_models();
         let places: Vec<Option<u8>> = (0..=u8::MAX)
             .map(|number| models.iter().position(|model| model.number == number).map(|place| place as u8))
             .collect();

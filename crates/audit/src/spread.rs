@@ -388,7 +388,7 @@ mod tests {
             }
         };
         let mut landscape =
-            Landscape { frame: FRAME, fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief, canopy: None };
+            Landscape { fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief, ..Landscape::uniform(FRAME, 0) };
         let bushes: Vec<Cell> = (0..FRAME.cell_count()).step_by(37).map(|index| FRAME.cell(index)).collect();
         bushes.iter().for_each(|&bush| landscape.fuel[FRAME.index(bush)] = 142);
         let weather = (0..6).map(|hour| WeatherInterval {

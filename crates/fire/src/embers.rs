@@ -13,7 +13,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::chance::{Chance, normal, poisson};
-use super::fuel::FuelModel;
 use super::{Landscape, Weather};
 use wildfire_base::geometry::{Cell, DVec2, ops};
 use wildfire_base::ranges;
@@ -143,7 +142,7 @@ impl Embers {
     }
 
     fn ignition_probability(&self, cell: Cell, time: SimTime, landscape: &Landscape, weather: &Weather) -> f64 {
-        let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns());
+        let model = landscape.burning_model(cell);
         let moisture = weather.at(time).moisture.d1;
         model.map_or(0.0, |model| self.settings.p_ign * (1.0 - moisture / model.dead_extinction).max(0.0))
     }

@@ -25,6 +25,7 @@ pub use faults::error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_
 pub use faults::path::{FieldPath, PathStep};
 pub use keys::agents::MemoryPart;
 pub use keys::alexandridis::AlexandridisSettings;
+pub use keys::custom_fuel::CustomFuel;
 pub use keys::dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
 pub use keys::field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
 pub use keys::fire::{Fire, FireModelName, FireUnit, SpreadFrom};
@@ -49,6 +50,7 @@ pub use read::source::{
     MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value,
 };
 pub use site::features::{Hill, Patches, River, Road, Runs};
+pub use site::fuel_file::read_fuels;
 pub use site::fuel_name::FuelName;
 pub use site::imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
 pub use site::landscape::LandscapeSettings;
@@ -73,6 +75,7 @@ use wildfire_base::geometry::DVec2;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::ranges::{SettingsTable, number_text};
+use wildfire_fire::fuel::FuelModel;
 pub use wildfire_planning::kit::local_search::{MotionCost, PrimitiveSettings};
 pub use wildfire_planning::kit::safety::{SafetyForm, SafetyMap, SafetySettings};
 pub use wildfire_planning::planners::hybrid_astar::HybridSettings;
@@ -172,6 +175,21 @@ pub struct Scenario {
     /// Moisture in the course of a run, and how uncertain the weather is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weather: Option<WeatherSettings>,
+    /// Custom fuel models.
+    #[serde(default, deserialize_with = "list_of_at_most::<500, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub fuel: Vec<CustomFuel>,
+    /// Custom fuel models in a file of FARSITE (`.fmd`) or of ELMFIRE (CSV).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fuel_file: Option<PathBuf>,
+    /// Those of the file. Loading fills it in.
+    #[serde(
+        rename = "given_fuel",
+        default,
+        deserialize_with = "list_of_at_most::<500, _, _>",
+        skip_serializing_if = "Vec::is_empty"
+    )]
+    #[schemars(skip)]
+    pub imported_fuel: Vec<FuelModel>,
     /// A drawn or generated landscape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landscape: Option<LandscapeSettings>,
@@ -215,7 +233,7 @@ impl Scenario {
 
 ranges! { Scenario {
     duration_s: 0.001..=1e6;
-    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, landscape, planner, policy, wumpus, unimog,
+    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, fuel, landscape, planner, policy, wumpus, unimog,
 } }
 
 impl Scenario {
@@ -237,7 +255,8 @@ impl Scenario {
         top.settings(self, &frame)?;
         top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
-        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
+        let fuels = self.check_fuels()?;
+        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame, &fuels))?;
         self.check_stops()?;
         self.check_nearest_by_drive()?;
         self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;

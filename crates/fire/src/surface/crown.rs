@@ -307,7 +307,7 @@ pub fn spreading_fire(
         let fire = surface_fire(landscape, weather, options, cell, time)?;
         return Some(SpreadingFire { fire, fire_type: FireType::Surface });
     };
-    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
+    let model = landscape.burning_model(cell)?;
     let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
     let ground = (FuelBed::new(model, moisture, options.curing), model.depth_ft);
     let ten = model_10(moisture, options.curing);

@@ -7,7 +7,6 @@ use crate::keys::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use crate::keys::dispatch::warn_of_team;
 use crate::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use wildfire_base::geometry::Cell;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::collision::ClearanceField;
 
 /// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
@@ -141,7 +140,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
         (_, None) => {}
         (None, Some(_)) => found.push(format!("Cells of ignitions that are not bushes of the map: {}.", bare.len())),
         (Some(landscape), Some(&&cell)) => {
-            let holds = match FuelModel::by_number(landscape.fuel_number(cell)) {
+            let holds = match landscape.fuel_model(landscape.fuel_number(cell)) {
                 Some(model) => format!("{}, {}", model.code, model.name),
                 None => "nothing".to_owned(),
             };

@@ -4,7 +4,8 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 
 /// Values that only loading fills in: no file may have them.
-pub const LOADED: [&str; 10] = [
+pub const LOADED: [&str; 11] = [
+    "given_fuel",
     "field.given",
     "field.raster_frame",
     "landscape.given",

@@ -16,6 +16,7 @@ use crate::faults::error::{Fault, ScenarioError, SourceLocation};
 use crate::faults::path::{FieldPath, FoundSpan, PathStep};
 use crate::faults::wording::{self, FaultOfField, KeyOrValue, LOADED};
 use crate::keys::program::{Unusable, UnusableFile};
+use crate::site::fuel_file::read_fuels;
 use crate::site::geojson;
 use crate::site::imported::json_fault;
 use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
@@ -151,6 +152,11 @@ impl WrittenScenario<'_> {
             let side = if matches!(fault, Fault::Conflict { .. }) { KeyOrValue::Key } else { KeyOrValue::Value };
             return Err(fault.at(self.location_as_written(&path, side)));
         }
+        if let Some(file) = &scenario.fuel_file {
+            let path = FieldPath::parse("fuel_file");
+            scenario.imported_fuel =
+                read_fuels(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+        }
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
         self.load_roads(&mut scenario)?;
@@ -222,7 +228,7 @@ impl WrittenScenario<'_> {
 
     /// Reads the files of a landscape, and gives the field their frame.
     fn load_landscape(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
-        let mut reader = LayerReader::default();
+        let mut reader = LayerReader::new(scenario.custom_fuels());
         let mut files = Vec::new();
         if let Some(settings) = &scenario.fire.rothermel {
             files.extend([

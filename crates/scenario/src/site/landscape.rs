@@ -19,7 +19,7 @@ use crate::faults::path::PathStep;
 use crate::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire_base::ranges;
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::{CanopyLayers, Landscape, Relief};
 use wildfire_grid::Grid;
 
@@ -94,7 +94,7 @@ impl LandscapeSettings {
         self.blocks.iter().any(|name| name.number() == fuel)
     }
 
-    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame, fuels: &CustomFuels) -> Check {
         if let Some(place) = self.blocks.iter().position(|name| name.number() == 0) {
             let expected = "the code or number of a fuel model".into();
             return table.inner("blocks").refuse_step(PathStep::Index(place), "\"none\"".into(), expected);
@@ -109,7 +109,7 @@ impl LandscapeSettings {
                 expected,
             );
         }
-        if self.imported.as_ref().is_some_and(|imported| !imported.is_sound()) {
+        if self.imported.as_ref().is_some_and(|imported| !imported.is_sound(fuels)) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
         }
         if self.imported_roads.as_ref().is_some_and(|roads| roads.bytes(frame.cell_count()).is_none()) {
@@ -193,7 +193,9 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
         }
         trees
     });
-    Ground { landscape: Landscape { frame, fuel, relief: relief(scenario, settings, seed, &frame), canopy }, blocked }
+    let relief = relief(scenario, settings, seed, &frame);
+    let custom_fuels = scenario.custom_fuels();
+    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels }, blocked }
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {

@@ -11,7 +11,6 @@ use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::{Landscape, Relief, WeatherInterval};
 
 /// The maximum number of cells along a side of the field.
@@ -159,7 +158,7 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
     require(is_of_field, || "its landscape does not fit its field".into())?;
     require(is_finite, || "its landscape is not finite".into())?;
     let is_valid: Vec<bool> =
-        (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
+        (0..=u8::MAX).map(|number| number == 0 || landscape.fuel_model(number).is_some()).collect();
     let stranger = landscape.fuel.iter().find(|&&number| !is_valid[usize::from(number)]);
     stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has the unknown fuel model {number}")))
 }

@@ -8,7 +8,6 @@
 use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_fire::fuel::FuelModel;
 
 /// The ground cells by state at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -295,10 +294,11 @@ impl FireEnds<'_> {
 
 /// Says of each cell, by index, whether it is ground that burns.
 fn ground_cells(setting: &Setting) -> Vec<bool> {
-    let burns: Vec<bool> =
-        (0..=u8::MAX).map(|number| FuelModel::by_number(number).is_some_and(FuelModel::burns)).collect();
-    let fuels = setting.spread.iter().flat_map(|spread| &spread.landscape().fuel);
-    let mut is_ground: Vec<bool> = fuels.map(|&number| burns[usize::from(number)]).collect();
+    let mut is_ground = Vec::new();
+    if let Some(spread) = &setting.spread {
+        let burns = spread.landscape().burning_numbers();
+        is_ground.extend(spread.landscape().fuel.iter().map(|&number| burns[usize::from(number)]));
+    }
     for &bush in &setting.bushes {
         is_ground[setting.frame.index(bush)] = false;
     }

@@ -65,6 +65,9 @@ pub struct SpreadArguments {
     /// Code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
     #[arg(long, value_name = "NAME|FILE")]
     pub fuel: Option<String>,
+    /// Custom fuel models: a .fmd file of FARSITE or a CSV table of ELMFIRE.
+    #[arg(long, value_name = "FILE")]
+    pub fuel_models: Option<PathBuf>,
     /// Rows of the field; rasters have their own [default: 201].
     #[arg(long, value_name = "N", value_parser = side)]
     pub rows: Option<u16>,

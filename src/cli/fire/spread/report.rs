@@ -13,7 +13,7 @@ use wildfire_base::object::Members;
 use wildfire_base::time::SimTime;
 use wildfire_batch::plan::PROGRAM_VERSION;
 use wildfire_fire::Landscape;
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::written_number;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::surface::crown::FireType;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
@@ -34,7 +34,7 @@ pub struct SpreadReport {
     /// Codes of the fuels and the cells that have them, the most frequent first.
     fuels: Vec<FuelRow>,
     /// Codes of fuels that are too wet to burn.
-    too_wet: Vec<&'static str>,
+    too_wet: Vec<String>,
     moisture: FuelMoisture,
     winds: Vec<WindRow>,
     #[serde(flatten)]
@@ -65,8 +65,8 @@ pub struct SpreadReport {
 
 #[derive(Debug, Serialize)]
 struct FuelRow {
-    number: u8,
-    code: &'static str,
+    number: u16,
+    code: String,
     cells: usize,
 }
 
@@ -118,10 +118,8 @@ impl SpreadReport {
         let reached_edge = burned().filter(|&(cell, _)| is_border(cell)).map(|(_, time)| time).min();
         let options = arguments.choices.options();
         let fuels = shares(landscape);
-        let too_wet = fuels
-            .iter()
-            .filter_map(|share| FuelModel::by_number(share.number))
-            .filter(|model| model.burns() && !FuelBed::new(model, &arguments.moisture, options.curing).burns());
+        let models = landscape.burning_models();
+        let too_wet = models.iter().filter(|model| !FuelBed::new(model, &arguments.moisture, options.curing).burns());
         Self {
             program_version: PROGRAM_VERSION,
             rows: frame.rows,
@@ -129,7 +127,7 @@ impl SpreadReport {
             cell_m: frame.cell_m,
             bands: ground.bands.clone(),
             doubts: ground.doubts.clone(),
-            too_wet: too_wet.map(|model| model.code).collect(),
+            too_wet: too_wet.map(|model| model.code.to_string()).collect(),
             fuels,
             moisture: arguments.moisture,
             winds: (arguments.winds().iter())
@@ -162,7 +160,7 @@ impl SpreadReport {
     /// The title of the report and of the picture.
     pub fn title(&self) -> String {
         let fuel = match &self.fuels[..] {
-            [only] => only.code.to_owned(),
+            [only] => only.code.clone(),
             fuels => count(fuels.len(), "fuel"),
         };
         format!("Fire in {fuel}, {}", minutes(self.duration_s))
@@ -216,8 +214,8 @@ fn shares(landscape: &Landscape) -> Vec<FuelRow> {
     let there = (0..=u8::MAX).filter(|&number| cells[usize::from(number)] > 0);
     let mut shares: Vec<FuelRow> = there
         .map(|number| {
-            let code = FuelModel::by_number(number).map_or("none", |model| model.code);
-            FuelRow { number, code, cells: cells[usize::from(number)] }
+            let code = landscape.fuel_model(number).map_or("none".to_owned(), |model| model.code.to_string());
+            FuelRow { number: written_number(number), code, cells: cells[usize::from(number)] }
         })
         .collect();
     shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.number));

@@ -133,7 +133,7 @@ pub struct Rates {
     weather: Arc<Weather>,
     rules: RothermelRules,
     /// The fuels of the landscape that burn, by the numbers that stand for them here.
-    models: Vec<&'static FuelModel>,
+    models: Vec<FuelModel>,
     /// By interval of the weather, then by fuel; computed when they are asked for.
     beds: Vec<Option<Box<[FuelBed]>>>,
     /// The same on a plane.
@@ -147,12 +147,7 @@ pub struct Rates {
 impl Rates {
     pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
         // Only fuels of this landscape get beds: each bed is computed per interval.
-        let mut is_there = [false; 256];
-        for &number in &landscape.fuel {
-            is_there[usize::from(number)] = true;
-        }
-        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
-        let models = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let models = landscape.burning_models();
         let intervals = weather.intervals().len();
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
         let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
@@ -252,10 +247,10 @@ impl Rates {
         let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
         spreading.unwrap_or_else(|| {
             let gradient = self.landscape.gradient(cell);
-            let model = self.models[usize::from(fuel)];
+            let depth_ft = self.models[usize::from(fuel)].depth_ft;
             let wind = self.weather.intervals()[interval].wind_mps;
             let bed = &self.beds(interval)[usize::from(fuel)];
-            Spreading::new(bed, model.depth_ft, wind, gradient, &rules)
+            Spreading::new(bed, depth_ft, wind, gradient, &rules)
         })
     }
 
