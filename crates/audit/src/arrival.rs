@@ -332,8 +332,8 @@ impl<'a> Arrivals<'a> {
             kept: Vec::new(),
         };
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
-        // Trees differ from cell to cell, so no table by fuel holds on a plane with them.
-        let plane = plane.filter(|_| !has_trees);
+        // Trees and winds by place differ from cell to cell, so no table by fuel holds on a plane with them.
+        let plane = plane.filter(|_| !has_trees && !weather.is_local());
         if plane.is_none() {
             // A power of two, so that a place is found by masking.
             let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
@@ -354,7 +354,7 @@ impl<'a> Arrivals<'a> {
             let ellipses: Vec<Ellipse> = match plane {
                 _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
-                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, gradient)).collect()
+                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, 0, gradient)).collect()
                 }
                 // On relief each cell has its own ellipse; a sample decides which directions are worth a line.
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
@@ -400,7 +400,7 @@ impl<'a> Arrivals<'a> {
 
     fn on_plane(&self, gradient: DVec2) -> Vec<Vec<(Ellipse, Vec<f64>)>> {
         let of_fuel = |interval: usize, fuel: usize| {
-            let ellipse = self.new_ellipse(interval, fuel, gradient);
+            let ellipse = self.new_ellipse(interval, fuel, 0, gradient);
             let seconds = self.lines.iter().chain(&self.disc).map(|line| ellipse.travel_s(line.v)).collect();
             (ellipse, seconds)
         };
@@ -409,8 +409,9 @@ impl<'a> Arrivals<'a> {
             .collect()
     }
 
-    fn new_ellipse(&self, interval: usize, fuel: usize, gradient: DVec2) -> Ellipse {
-        let wind_mps = self.weather.intervals()[interval].wind_mps;
+    /// Computes the ellipse of a fuel in the weather of a cell; which one does not matter on a plane.
+    fn new_ellipse(&self, interval: usize, fuel: usize, index: usize, gradient: DVec2) -> Ellipse {
+        let wind_mps = self.weather.in_cell(interval, index).wind_mps;
         let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(self.models[fuel].depth_ft) * wind_mps;
         self.beds[interval][fuel].behavior(midflame, gradient, &self.rules.options).ellipse()
     }
@@ -421,7 +422,7 @@ impl<'a> Arrivals<'a> {
             ground: &self.beds[interval][fuel],
             depth_ft: self.models[fuel].depth_ft,
             model_10: self.crown_beds.get(interval)?,
-            wind_10m_mps: self.weather.intervals()[interval].wind_mps,
+            wind_10m_mps: self.weather.in_cell(interval, self.frame.index(cell)).wind_mps,
             gradient,
         };
         Some(crown::ellipse(&self.landscape.canopy(cell)?, &below, &self.rules.options, self.rules.crowns?))
@@ -439,7 +440,7 @@ impl<'a> Arrivals<'a> {
             let cell = self.frame.cell(index);
             let gradient = self.landscape.gradient(cell);
             let below_trees = self.below_trees(interval, fuel, cell, gradient);
-            let ellipse = below_trees.unwrap_or_else(|| self.new_ellipse(interval, fuel, gradient));
+            let ellipse = below_trees.unwrap_or_else(|| self.new_ellipse(interval, fuel, index, gradient));
             self.kept[place] = (key, ellipse);
         }
         self.kept[place].1

@@ -71,7 +71,7 @@ fn ember_source(
 ) -> Option<EmberSource> {
     let &Change { time, cell, .. } = change;
     let model = landscape.burning_model(cell)?;
-    let interval = weather.at(time);
+    let interval = weather.at_cell(time, landscape.frame.index(cell));
     let bed = FuelBed::new(model, &interval.moisture, rules.options.curing);
     let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * interval.wind_mps;
     let fire = bed.behavior(midflame, landscape.gradient(cell), &rules.options);

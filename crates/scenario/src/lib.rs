@@ -60,7 +60,8 @@ pub use site::tetromino::Shape;
 pub use site::truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use site::weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
 pub use site::weather_csv::WeatherSample;
-pub use site::wind::WindChange;
+pub use site::wind::{WindChange, WindUnits};
+pub use site::wind_raster::{TimedWindField, WindRasterKind, WindRasters};
 
 use std::path::PathBuf;
 
@@ -253,6 +254,7 @@ impl Scenario {
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
         top.settings(self, &frame)?;
+        self.check_wind_fields(&top, frame.cell_count())?;
         top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
         let fuels = self.check_fuels()?;
@@ -269,6 +271,18 @@ impl Scenario {
         }
         self.kinds().iter().try_for_each(|agents| agents.check(self))?;
         check_ignitions(&self.ignition, &frame)
+    }
+
+    /// Checks winds by place that were not read from rasters but from a plan.
+    fn check_wind_fields(&self, top: &TablePath, cells: usize) -> Check {
+        let is_damaged = |wind: &WindChange| wind.imported.as_ref().is_some_and(|packed| packed.field(cells).is_none());
+        match self.wind.iter().position(is_damaged) {
+            Some(number) => {
+                let expected = "winds that can be unpacked and fit the field".into();
+                top.inner("wind").item(number).refuse("given", "damaged".into(), expected)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Returns the layers that files give, with their place on earth.

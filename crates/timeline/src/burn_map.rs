@@ -234,7 +234,7 @@ impl<'a> LocalFires<'a> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
-        if rules.crowns.is_some() && landscape.canopy(cell).is_some() {
+        if weather.is_local() || rules.crowns.is_some() && landscape.canopy(cell).is_some() {
             return spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time);
         }
         let is_plane = matches!(landscape.relief, Relief::Plane(_));

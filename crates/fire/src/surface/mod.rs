@@ -46,7 +46,7 @@ pub fn surface_fire(
     time: SimTime,
 ) -> Option<SurfaceFire> {
     let model = landscape.burning_model(cell)?;
-    let weather = weather.at(time);
+    let weather = weather.at_cell(time, landscape.frame.index(cell));
     let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * weather.wind_mps;
     let bed = FuelBed::new(model, &weather.moisture, options.curing);
     Some(bed.behavior(midflame, landscape.gradient(cell), options))

@@ -140,7 +140,15 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         .wind
         .iter()
         .take(SHOWN_CHANGES)
-        .map(|it| format!("From {} s: {}.", thousandths(it.at_s), describe_wind(it.speed_mps, it.toward_deg)))
+        .map(|it| {
+            let wind = describe_wind(it.speed_mps, it.toward_deg);
+            let field = it.imported.as_ref().and_then(|packed| packed.field(scenario.field.frame().cell_count()));
+            let by_place = field.map_or(String::new(), |field| {
+                let [min, max] = field.speeds().map(thousandths);
+                format!("by place, {min} to {max} m/s, on average ")
+            });
+            format!("From {} s: {by_place}{wind}.", thousandths(it.at_s))
+        })
         .collect();
     if scenario.wind.len() > SHOWN_CHANGES {
         lines.push(format!("and {} more changes of the wind.", scenario.wind.len() - SHOWN_CHANGES));

@@ -21,6 +21,7 @@ use crate::site::geojson;
 use crate::site::imported::json_fault;
 use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use crate::site::weather_csv::{read_samples, read_wind};
+use crate::site::wind_raster::{WindRasterKind, WindRasters, read_wind_list};
 use crate::{Field, IgnitionCells, ImportedField, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file;
@@ -307,9 +308,12 @@ impl WrittenScenario<'_> {
     fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         if let Some(file) = &scenario.wind_file {
             let path = FieldPath::parse("wind_file");
-            let winds = read_wind(&self.file(&path, file), scenario.duration_s);
+            let file = self.file(&path, file);
+            let list = read_wind_list(&file, scenario.duration_s).map_err(|message| self.rule(&path, message))?;
+            let winds = list.map_or_else(|| read_wind(&file, scenario.duration_s), Ok);
             scenario.wind = winds.map_err(|message| self.rule(&path, message))?;
         }
+        self.load_wind_fields(scenario)?;
         if let Some(settings) = &mut scenario.weather
             && let Some(file) = &settings.samples
         {
@@ -327,6 +331,48 @@ impl WrittenScenario<'_> {
             settings.notes = stream.notes;
             // The other changes of the moisture exclude it.
             settings.moisture.extend(stream.moistures);
+        }
+        Ok(())
+    }
+
+    /// Reads the rasters of winds by place.
+    fn load_wind_fields(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        // A field of an impossible size is refused later.
+        let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
+        let of_list = scenario.wind_file.as_ref().map(|_| FieldPath::parse("wind_file"));
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
+        for (number, wind) in scenario.wind.iter_mut().enumerate().filter(|_| has_size) {
+            let entry = FieldPath(vec![PathStep::key("wind"), PathStep::Index(number)]);
+            let path = of_list.clone().unwrap_or_else(|| entry.clone());
+            let rasters = wind.rasters().map_err(|message| self.rule(&path, format!("`{entry}`: {message}")))?;
+            let Some(rasters) = rasters else {
+                let absent = [("speed_mps", wind.speed_mps), ("toward_deg", wind.toward_deg)];
+                if let Some((name, _)) = absent.into_iter().find(|(_, number)| number.is_nan()) {
+                    let fault = Fault::MissingField { name: name.into(), table: entry.to_string() };
+                    return Err(fault.at(self.location(&entry, KeyOrValue::Value)));
+                }
+                continue;
+            };
+            if !(wind.speed_mps.is_nan() && wind.toward_deg.is_nan()) && of_list.is_none() {
+                let message = format!("`{entry}` has rasters; expected no `speed_mps` and no `toward_deg` beside them");
+                return Err(self.rule(&path, message));
+            }
+            // Files of a list lie beside it.
+            let file = |key: &str, file: &Path| match of_list {
+                Some(_) => file.to_owned(),
+                None => self.file(&entry.join(PathStep::key(key)), file),
+            };
+            let keys = match rasters.kind {
+                WindRasterKind::SpeedFrom => ["speed", "from"],
+                WindRasterKind::SpeedToward => ["speed", "toward"],
+                WindRasterKind::EastNorth => ["east", "north"],
+            };
+            let first = file(keys[0], rasters.first);
+            let second = file(keys[1], rasters.second);
+            let rasters = WindRasters { first: &first, second: &second, ..rasters };
+            let field = rasters.read(&frame, layers).map_err(|message| self.rule(&path, message))?;
+            wind.set_field(&field);
         }
         Ok(())
     }

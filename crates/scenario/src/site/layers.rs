@@ -869,6 +869,25 @@ impl PackedLayer {
         Self::from_bytes(&bytes)
     }
 
+    /// Packs differences of neighbours, their high bytes before their low ones.
+    pub(crate) fn from_words(words: &[i16]) -> Self {
+        let before = std::iter::once(0).chain(words.iter().copied());
+        let differences: Vec<[u8; 2]> =
+            words.iter().zip(before).map(|(word, before)| word.wrapping_sub(before).to_be_bytes()).collect();
+        let bytes: Vec<u8> = [0, 1].iter().flat_map(|&place| differences.iter().map(move |pair| pair[place])).collect();
+        Self::from_bytes(&bytes)
+    }
+
+    pub(crate) fn words(&self, expected: usize) -> Option<Vec<i16>> {
+        let bytes = self.bytes(2 * expected)?;
+        let mut word = 0_i16;
+        let words = (0..expected).map(|index| {
+            word = word.wrapping_add(i16::from_be_bytes([bytes[index], bytes[expected + index]]));
+            word
+        });
+        Some(words.collect())
+    }
+
     pub(crate) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
         let bytes = decompress_to_vec_with_limit(&BASE64.decode(self.0.as_bytes()).ok()?, expected).ok()?;
         (bytes.len() == expected).then_some(bytes)

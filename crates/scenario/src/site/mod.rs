@@ -13,3 +13,4 @@ pub mod truck_starts;
 pub mod weather;
 pub mod weather_csv;
 pub mod wind;
+pub mod wind_raster;

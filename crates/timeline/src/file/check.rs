@@ -11,7 +11,7 @@ use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
-use wildfire_fire::{Landscape, Relief, WeatherInterval};
+use wildfire_fire::{Landscape, Relief, WeatherInterval, WindField};
 
 /// The maximum number of cells along a side of the field.
 pub const MAX_SIDE: usize = 4096;
@@ -129,6 +129,10 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
         wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
     };
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
+    let is_of_field =
+        |field: &WindField| field.east.len() == frame.cell_count() && field.north.len() == field.east.len();
+    let fits = weather.wind_fields().iter().flatten().all(|field| is_of_field(field));
+    require(fits, || "its winds do not fit its field".into())?;
     match spread {
         SpreadSetting::Rothermel { rules, .. } => {
             if rules.crowns.is_some_and(|crowns| !(0.0..=5.0).contains(&crowns.foliar_moisture)) {

@@ -16,7 +16,7 @@ use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
 use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
-use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval};
+use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval, WindField};
 
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
@@ -53,6 +53,8 @@ enum SpreadRecord {
 #[derive(Serialize, Deserialize)]
 struct LocalRecord {
     custom_fuels: Vec<FuelRecord>,
+    /// By interval of the weather, east and north in hundredths of m/s; empty where wind is everywhere the same.
+    winds: Vec<Option<[SurfaceRecord; 2]>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -250,15 +252,36 @@ impl LocalRecord {
     /// `None` if a landscape and its weather have nothing of the kind.
     fn new(spread: &SpreadSetting) -> Option<Self> {
         let custom_fuels: Vec<_> = spread.landscape().custom_fuels.models().iter().map(FuelRecord::from).collect();
-        (!custom_fuels.is_empty()).then_some(Self { custom_fuels })
+        let cols = usize::from(spread.landscape().frame.cols);
+        let surface = |parts: &Vec<i16>| SurfaceRecord::new(cols, parts.iter().map(|&part| f32::from(part)));
+        let wind = |field: &Arc<WindField>| [surface(&field.east), surface(&field.north)];
+        let winds: Vec<_> = spread.weather().wind_fields().iter().map(|field| field.as_ref().map(wind)).collect();
+        (!custom_fuels.is_empty() || !winds.is_empty()).then_some(Self { custom_fuels, winds })
     }
 
     /// Adds it to the rest of a setting.
     fn onto(&self, mut spread: SpreadSetting) -> Result<SpreadSetting, FileError> {
         let models = self.custom_fuels.iter().map(FuelModel::from).collect();
         let custom_fuels = CustomFuels::new(models).map_err(FileError::Impossible)?;
-        let (SpreadSetting::Rothermel { landscape, .. } | SpreadSetting::Alexandridis { landscape, .. }) = &mut spread;
+        let (SpreadSetting::Rothermel { landscape, weather, .. }
+        | SpreadSetting::Alexandridis { landscape, weather, .. }) = &mut spread;
+        let frame = landscape.frame;
         *landscape = Arc::new(Landscape { custom_fuels, ..Landscape::clone(landscape) });
+        if !self.winds.is_empty() {
+            if self.winds.len() != weather.intervals().len() {
+                return Err(FileError::Damaged("its winds by place are not those of its weather"));
+            }
+            let parts = |surface: &SurfaceRecord| {
+                let numbers = surface.numbers(frame)?.into_iter();
+                Ok::<_, FileError>(numbers.map(|number| number as i16).collect())
+            };
+            let field = |wind: &Option<[SurfaceRecord; 2]>| {
+                let Some([east, north]) = wind else { return Ok(None) };
+                Ok::<_, FileError>(Some(Arc::new(WindField { east: parts(east)?, north: parts(north)? })))
+            };
+            let fields = self.winds.iter().map(field).collect::<Result<_, _>>()?;
+            *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
+        }
         Ok(spread)
     }
 }

@@ -10,7 +10,7 @@ use crate::cli::map_of::EarthPlace;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::CustomFuels;
 use wildfire_fire::lone::LoneFire;
-use wildfire_fire::{Landscape, Relief};
+use wildfire_fire::{Landscape, Relief, Weather};
 use wildfire_scenario::{FuelName, ImportedLayers, LayerKind, LayerReader, bytes_text, read_fuels};
 
 /// Where the ground is read from.
@@ -24,6 +24,7 @@ pub struct GroundSources<'a> {
 /// A landscape with its place on earth.
 pub struct GroundOnEarth {
     pub landscape: Arc<Landscape>,
+    pub weather: Arc<Weather>,
     pub place: EarthPlace,
     /// Which bands were taken for what.
     pub bands: Vec<String>,
@@ -84,9 +85,10 @@ impl<'a> GroundSources<'a> {
             canopy,
             custom_fuels: self.custom_fuels.clone(),
         };
+        let weather = Arc::new(arguments.weather_on(&frame, layers.as_ref())?);
         let place = layers.as_ref().map_or_else(EarthPlace::default, EarthPlace::from_layers);
         let (bands, doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
-        Ok(GroundOnEarth { landscape: Arc::new(landscape), place, bands, doubts })
+        Ok(GroundOnEarth { landscape: Arc::new(landscape), weather, place, bands, doubts })
     }
 }
 

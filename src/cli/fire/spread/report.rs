@@ -4,19 +4,19 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::SpreadArguments;
 use super::ground::GroundOnEarth;
+use super::{SpreadArguments, WindStep};
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};
 use wildfire_base::object::Members;
 use wildfire_base::time::SimTime;
 use wildfire_batch::plan::PROGRAM_VERSION;
-use wildfire_fire::Landscape;
 use wildfire_fire::fuel::written_number;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::surface::crown::FireType;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
+use wildfire_fire::{Landscape, Weather, WeatherInterval, WindField};
 
 /// What is said of a fire.
 #[derive(Debug, Serialize)]
@@ -75,6 +75,9 @@ struct WindRow {
     from_s: f64,
     speed_mps: f64,
     from_deg: f64,
+    /// Of wind by place the least and the greatest speed; the others are of its mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speeds_mps: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Serialize)]
@@ -130,13 +133,7 @@ impl SpreadReport {
             too_wet: too_wet.map(|model| model.code.to_string()).collect(),
             fuels,
             moisture: arguments.moisture,
-            winds: (arguments.winds().iter())
-                .map(|wind| WindRow {
-                    from_s: wind.from.as_seconds(),
-                    speed_mps: wind.speed_mps,
-                    from_deg: wind.from_deg,
-                })
-                .collect(),
+            winds: winds(arguments, &ground.weather),
             options,
             neighbours: arguments.neighbours.into(),
             duration_s: arguments.duration,
@@ -195,6 +192,12 @@ impl SpreadReport {
                 0.0 => "none".to_owned(),
                 speed => format!("{} m/s from {}", short(speed), short(wind.from_deg)),
             };
+            let blows = match wind.speeds_mps {
+                Some([min, max]) => {
+                    format!("by place {} to {} m/s, on average {blows}", rounded(min, 1), rounded(max, 1))
+                }
+                None => blows,
+            };
             if wind.from_s > 0.0 { format!("{blows} after {}", minutes(wind.from_s)) } else { blows }
         });
         let winds = winds.collect::<Vec<_>>().join(", ");
@@ -203,6 +206,26 @@ impl SpreadReport {
         lines.push(format!("Wind at 10 m: {winds}{more}"));
         lines
     }
+}
+
+/// Lists the winds that were given, or those of rasters.
+fn winds(arguments: &SpreadArguments, weather: &Weather) -> Vec<WindRow> {
+    if !weather.is_local() {
+        let row = |wind: &WindStep| WindRow {
+            from_s: wind.from.as_seconds(),
+            speed_mps: wind.speed_mps,
+            from_deg: wind.from_deg,
+            speeds_mps: None,
+        };
+        return arguments.winds().iter().map(row).collect();
+    }
+    let row = |(number, interval): (usize, &WeatherInterval)| WindRow {
+        from_s: interval.from.as_seconds(),
+        speed_mps: (100.0 * interval.wind_mps.length()).round() / 100.0,
+        from_deg: compass::azimuth_deg(-interval.wind_mps).round(),
+        speeds_mps: weather.wind_field(number).map(WindField::speeds),
+    };
+    weather.intervals().iter().enumerate().map(row).collect()
 }
 
 /// Counts the cells of each fuel.

@@ -24,7 +24,12 @@ use wildfire_timeline::{Cause, FireBehavior};
 /// Lets a fire spread by Rothermel's equations.
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let sources = GroundSources::new(arguments)?;
-    let inputs = sources.rasters.iter().map(|&(_, path)| path).chain(arguments.fuel_models.as_deref()).collect();
+    let inputs = sources.rasters.iter().map(|&(_, path)| path).chain(
+        [&arguments.fuel_models, &arguments.wind_speed, &arguments.wind_from, &arguments.wind_list]
+            .into_iter()
+            .filter_map(|file| file.as_deref()),
+    );
+    let inputs = inputs.collect();
     let format = raster_format(arguments.arrival.as_deref());
     let times_s = arguments.perimeters.times_s(arguments.duration)?;
     let stream = Files { inputs, form: arguments.form, ..Files::default() }
@@ -38,7 +43,6 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         .check()?;
     let ground = sources.read(arguments)?;
     let ignitions = ignitions(arguments, &ground.landscape)?;
-    let weather = arguments.weather();
     let rules = RothermelRules {
         options: arguments.choices.options(),
         neighbours: arguments.neighbours,
@@ -49,7 +53,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     if !quiet {
         ground.doubts.iter().for_each(|doubt| terminal::note(doubt));
     }
-    let weather = Arc::new(weather);
+    let weather = Arc::clone(&ground.weather);
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
     let mut stopwatch = CpuStopwatch::start();
     fire.burn_until(SimTime::from_seconds(arguments.duration));

@@ -1,7 +1,7 @@
 //! The rates of spread of every cell in every interval of the weather.
 //!
 //! Fuel beds are computed once for each fuel and interval. On a plane that gives all ellipses; where every cell has a slope
-//! of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
+//! or a wind of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
 
 use std::sync::Arc;
 
@@ -140,7 +140,7 @@ pub struct Rates {
     plane: Vec<Option<Box<[Spreading]>>>,
     /// Fuel model 10 by interval, where there are crowns, and the rate of fire in these once it is known.
     crown_beds: Vec<(FuelBed, Option<f64>)>,
-    /// By a part of cell and interval, where every cell has its own gradient or trees.
+    /// By a part of cell and interval, where every cell has its own gradient, trees or weather.
     kept: Vec<(u64, Spreading)>,
 }
 
@@ -155,7 +155,7 @@ impl Rates {
         let crown_beds =
             with_crowns.map(|interval| (model_10(&interval.moisture, rules.options.curing), None)).collect();
         let kept = match landscape.relief {
-            Relief::Plane(_) if !has_crowns => 0,
+            Relief::Plane(_) if !has_crowns && !weather.is_local() => 0,
             // A power of two, so that a place in the cache is found by masking.
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
@@ -186,11 +186,14 @@ impl Rates {
         let crowns = self.rules.crowns?;
         let options = self.rules.options;
         let gradient = self.landscape.gradient(cell);
-        let wind = self.weather.intervals()[interval].wind_mps;
+        let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
         let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
         let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
         let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
-        self.crown_beds[interval].1 = Some(rate_mps);
+        // Under wind by place it is another one in the next cell.
+        if !self.weather.is_local() {
+            self.crown_beds[interval].1 = Some(rate_mps);
+        }
         Some(below.burn_at(rate_mps))
     }
 
@@ -248,7 +251,7 @@ impl Rates {
         spreading.unwrap_or_else(|| {
             let gradient = self.landscape.gradient(cell);
             let depth_ft = self.models[usize::from(fuel)].depth_ft;
-            let wind = self.weather.intervals()[interval].wind_mps;
+            let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
             let bed = &self.beds(interval)[usize::from(fuel)];
             Spreading::new(bed, depth_ft, wind, gradient, &rules)
         })
