@@ -9,6 +9,8 @@
 //!   its part of the length. What cannot burn blocks it, and so do two such cells at a corner that it goes through.
 //! - Between two neighbours whose directions are next to each other time is taken to be linear. The least of its value and
 //!   of the way from there is on the wave through both, at right angles to it in the metric of the ellipse.
+//! - Where only the wind differs from place to place, a line of up to three columns and rows over one fuel takes the mean of the
+//!   times that the weather at its two ends gives.
 //! - A cell that did not catch fire from another one sends fire straight to all cells within three, over one fuel.
 //! - Over a cell that is wet, or was put out and may burn again, a way begins when that is over, and only if the cell
 //!   where it begins flames still; it takes no part in what comes from between.
@@ -31,6 +33,9 @@ use crate::crown::{self, UnderCanopy};
 pub const NEVER: u64 = u64::MAX;
 
 const NANOS: f64 = 1e9;
+
+/// The longest line, in columns or rows, for which its ends stand.
+const MAX_SMOOTH: i32 = 3;
 
 /// Ellipses that are kept at least, where every cell has its own.
 const MIN_KEPT: usize = 1 << 12;
@@ -292,6 +297,8 @@ pub struct Arrivals<'a> {
     crown_beds: Vec<FuelBed>,
     /// On a plane without trees: by interval, fuel and line, the disc after the others.
     plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
+    /// Whether only the wind differs from place to place: on a plane without trees.
+    is_smooth: bool,
     /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
     kept: Vec<(u64, Ellipse)>,
 }
@@ -329,6 +336,7 @@ impl<'a> Arrivals<'a> {
             beds,
             crown_beds: with_trees.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect(),
             plane: Vec::new(),
+            is_smooth: weather.is_local() && matches!(landscape.relief, Relief::Plane(_)) && !has_trees,
             kept: Vec::new(),
         };
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
@@ -627,6 +635,13 @@ impl<'a> Arrivals<'a> {
         {
             let fuel = self.fuel[self.frame.index(cell)].expect("fire comes only where there is fuel");
             return table[usize::from(fuel)].1[number];
+        }
+        let line = self.line(number);
+        // Where only the wind differs from place to place, the two ends of a short line stand for all of it.
+        if self.is_smooth && is_one_fuel && line.cols.abs().max(line.rows.abs()) <= MAX_SMOOTH {
+            let v = line.v;
+            let ends = [self.near(cell, (line.cols, line.rows)), self.frame.index(cell)];
+            return ends.into_iter().map(|index| self.ellipse(interval, index).travel_s(v)).sum::<f64>() / 2.0;
         }
         let mut seconds = 0.0;
         for place in 0..self.line(number).crossed.len() {

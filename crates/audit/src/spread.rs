@@ -365,6 +365,7 @@ mod tests {
     use wildfire_fire::surface::{FuelMoisture, WindLimit};
     use wildfire_fire::{
         CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
+        WindField,
     };
     use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules};
 
@@ -457,6 +458,44 @@ mod tests {
                 assert_eq!(audit_spread(&timeline), Ok(()));
                 let other = Timeline { setting: bare, ..timeline };
                 assert!(audit_spread(&other).is_err());
+            }
+        }
+    }
+
+    /// The same with a wind of its own in every cell of some intervals.
+    fn with_local_wind(mut setting: Setting) -> Setting {
+        if let Some(SpreadSetting::Rothermel { weather, .. }) = &mut setting.spread {
+            let field = |number: usize| {
+                let wind = |index: usize| {
+                    let Cell { col, row } = FRAME.cell(index);
+                    weather.intervals()[number].wind_mps + DVec2::new(f64::from(row), -f64::from(col)) / 15.0
+                };
+                Some(Arc::new(WindField::new((0..FRAME.cell_count()).map(wind))))
+            };
+            let fields = (0..weather.intervals().len()).map(|number| if number == 2 { None } else { field(number) });
+            let fields = fields.collect();
+            *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
+        }
+        setting
+    }
+
+    #[test]
+    fn fires_in_wind_by_place_are_accepted_and_those_of_other_winds_are_not() {
+        for relief in [Relief::FLAT, Relief::Plane(DVec2::new(0.3, -0.2)), hill()] {
+            for neighbours in [Neighbours::ThirtyTwo, Neighbours::Eight] {
+                let uniform = setting(relief.clone(), neighbours, true);
+                let trees = with_trees(uniform.clone(), CrownMethod::ScottReinhardt);
+                for uniform in [uniform, trees] {
+                    let timeline = burn(with_local_wind(uniform.clone()), acts());
+                    assert!(timeline.ground.len() > 300, "{}", timeline.ground.len());
+                    assert_eq!(audit_spread(&timeline), Ok(()));
+                    assert!(audit_spread(&Timeline { setting: uniform, ..timeline }).is_err());
+                }
+                let mut spotted = setting(relief.clone(), neighbours, false);
+                let Some(SpreadSetting::Rothermel { rules, .. }) = &mut spotted.spread else { unreachable!() };
+                let settings = EmberSettings { per_mj: 0.02, i_min_kw_m: 50.0, p_ign: 1.0, ..EmberSettings::default() };
+                rules.embers = Some(Embers { settings, seed: spotted.seed });
+                assert_eq!(audit_spread(&burn(with_local_wind(spotted), acts())), Ok(()));
             }
         }
     }
