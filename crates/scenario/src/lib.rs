@@ -36,7 +36,7 @@ pub use keys::line::{Crew, LineHolds, LineSettings, ProtectedPlace};
 pub use keys::network::Network;
 pub use keys::program::{MAX_MESSAGE_BYTES, Program, Programs, UsedProgram};
 pub use keys::rothermel::RothermelSettings;
-pub use keys::rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
+pub use keys::rules::{Extinguishes, Ignition, IgnitionArea, IgnitionCells, IgnitionDensity, Score, Suppression};
 pub use keys::traffic::{Detours, TrafficPlan, TrafficRules};
 pub use keys::unimog::{FallbackMode, Limits, Retarget, StartPose, TruckPlannerContext, Unimog};
 pub use keys::water::{Water, WaterEffect, WaterPlace};
@@ -53,7 +53,7 @@ pub use site::features::{Hill, Patches, River, Road, Runs};
 pub use site::fuel_file::read_fuels;
 pub use site::fuel_name::FuelName;
 pub use site::imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
-pub use site::landscape::LandscapeSettings;
+pub use site::landscape::{Barrier, LandscapeSettings};
 pub use site::layers::{ImportedLayers, LayerKind, LayerReader, Weights};
 pub use site::terrain::{Terrain, TerrainError};
 pub use site::tetromino::Shape;
@@ -191,6 +191,9 @@ pub struct Scenario {
     )]
     #[schemars(skip)]
     pub imported_fuel: Vec<FuelModel>,
+    /// Places that stop fire, or have another fuel.
+    #[serde(default, deserialize_with = "list_of_at_most::<1_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub barrier: Vec<Barrier>,
     /// A drawn or generated landscape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landscape: Option<LandscapeSettings>,
@@ -254,6 +257,14 @@ impl Scenario {
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
         top.settings(self, &frame)?;
+        let damaged = self
+            .barrier
+            .iter()
+            .position(|barrier| barrier.covered.as_ref().is_some_and(|it| it.bytes(frame.cell_count()).is_none()));
+        if let Some(number) = damaged {
+            let expected = "cells that can be unpacked and fit the field".into();
+            return top.inner("barrier").item(number).refuse("given", "damaged".into(), expected);
+        }
         self.check_wind_fields(&top, frame.cell_count())?;
         top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;

@@ -133,7 +133,7 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
     let can_burn = |cell: &Cell| burns[terrain.frame.index(*cell)];
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
         IgnitionCells::Cells(cells) => Some(cells),
-        IgnitionCells::Random(_) | IgnitionCells::Density(_) => None,
+        _ => None,
     });
     let bare: Vec<&Cell> = named.flatten().filter(|cell| !can_burn(cell)).collect();
     match (&terrain.landscape, bare.first()) {
@@ -150,7 +150,11 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
     }
     for ignition in &scenario.ignition {
         let is_void = match &ignition.cells {
-            IgnitionCells::Cells(_) => false,
+            IgnitionCells::Cells(_) | IgnitionCells::Points(_) => false,
+            IgnitionCells::Area(area) => {
+                let mut inside = area.by_cell(&terrain.frame).into_iter().zip(&burns);
+                !inside.any(|(is_inside, &burns)| is_inside && burns)
+            }
             IgnitionCells::Random(_) => {
                 let has_ground = scenario.fire.lights_ground() || terrain.bushes.is_empty();
                 terrain.lightable(has_ground).is_empty()

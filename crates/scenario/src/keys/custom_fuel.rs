@@ -128,6 +128,9 @@ impl Scenario {
                 named.push((TablePath::named("landscape.patches").item(number), "fuel".into(), patches.fuel));
             }
         }
+        for (number, barrier) in self.barrier.iter().enumerate() {
+            named.push((TablePath::entry("barrier", number), "fuel".into(), barrier.fuel));
+        }
         match named.into_iter().find(|(_, _, fuel)| is_unknown(fuel)) {
             Some((table, key, fuel)) => table.refuse(&key, fuel.to_string(), expected()).map(|()| fuels),
             None => Ok(fuels),

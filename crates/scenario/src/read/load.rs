@@ -22,8 +22,8 @@ use crate::site::imported::json_fault;
 use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use crate::site::weather_csv::{read_samples, read_wind};
 use crate::site::wind_raster::{WindRasterKind, WindRasters, read_wind_list};
-use crate::{Field, IgnitionCells, ImportedField, Scenario};
-use wildfire_base::geometry::FieldFrame;
+use crate::{Field, IgnitionCells, ImportedField, ImportedLayers, Scenario};
+use wildfire_base::geometry::{DVec2, FieldFrame};
 use wildfire_base::input_file;
 use wildfire_fire::surface::FuelMoisture;
 use wildfire_grid::map_files;
@@ -127,6 +127,9 @@ fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
     })
 }
 
+/// Marks cells of a field by the shapes of a GeoJSON text.
+type ShapeReader = fn(&str, &FieldFrame, Option<&ImportedLayers>) -> Result<Result<Vec<u8>, String>, serde_json::Error>;
+
 /// A scenario as it was written: in its file, and in changes of the command line.
 struct WrittenScenario<'a> {
     source: &'a ScenarioText,
@@ -161,6 +164,7 @@ impl WrittenScenario<'_> {
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
         self.load_roads(&mut scenario)?;
+        self.load_barriers(&mut scenario)?;
         self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
         self.load_densities(&mut scenario)?;
@@ -280,15 +284,8 @@ impl WrittenScenario<'_> {
         let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
         let Some(file) = settings.roads_file.as_ref().filter(|_| has_size) else { return Ok(()) };
         let path = FieldPath::parse("landscape.roads_file");
-        let file = self.file(&path, file);
-        let text = input_file::read_text(&file, MAX_MAP_BYTES)
-            .map_err(|error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value)))?;
-        let cells = geojson::road_cells(&text, &frame, settings.imported.as_ref()).map_err(|error| {
-            let error = json_fault(&text, &error, FieldPath::default());
-            Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
-        })?;
-        let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
-        settings.imported_roads = Some(PackedLayer::from_bytes(&cells));
+        let layers = settings.imported.as_ref();
+        settings.imported_roads = Some(self.read_shapes(&path, file, geojson::road_cells, &frame, layers)?);
         Ok(())
     }
 
@@ -297,12 +294,73 @@ impl WrittenScenario<'_> {
         let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
         for (number, ignition) in scenario.ignition.iter_mut().enumerate() {
             let list = FieldPath(vec![PathStep::key("ignition"), PathStep::Index(number)]);
-            let IgnitionCells::Density(density) = &mut ignition.cells else { continue };
-            let path = list.join(PathStep::key("density"));
-            let weights = Weights::read(&self.file(&path, &density.file), &frame, layers);
-            density.weights = Some(weights.map_err(|message| self.rule(&path, message))?);
+            match &mut ignition.cells {
+                IgnitionCells::Density(density) => {
+                    let path = list.join(PathStep::key("density"));
+                    let weights = Weights::read(&self.file(&path, &density.file), &frame, layers);
+                    density.weights = Some(weights.map_err(|message| self.rule(&path, message))?);
+                }
+                IgnitionCells::Area(area) => {
+                    let path = list.join(PathStep::key("perimeter"));
+                    area.inside = Some(self.read_shapes(&path, &area.file, geojson::area_cells, &frame, layers)?);
+                }
+                IgnitionCells::Points(points) => {
+                    let path = list.join(PathStep::key("points_m"));
+                    let corner = layers.map_or([0.0; 2], |layers| [layers.west_m, layers.south_m]);
+                    let cell_at = |&[x, y]: &[f64; 2]| {
+                        frame.cell_at(DVec2::new(x - corner[0], y - corner[1])).ok_or_else(|| {
+                            let [width, height] = [frame.width_m(), frame.height_m()];
+                            let [west, south] = corner;
+                            let message = format!(
+                                "`{path}`: there is no cell at ({x}, {y}); expected a place in the field of {width} x \
+                                 {height} m from ({west}, {south}) on"
+                            );
+                            self.rule(&path, message)
+                        })
+                    };
+                    let cells = points.iter().map(cell_at).collect::<Result<_, _>>()?;
+                    ignition.cells = IgnitionCells::Cells(cells);
+                }
+                IgnitionCells::Cells(_) | IgnitionCells::Random(_) => {}
+            }
         }
         Ok(())
+    }
+
+    /// Reads the files of barriers.
+    fn load_barriers(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
+        for (number, barrier) in scenario.barrier.iter_mut().enumerate() {
+            let entry = FieldPath(vec![PathStep::key("barrier"), PathStep::Index(number)]);
+            let path = entry.join(PathStep::key("file"));
+            barrier.covered = Some(self.read_shapes(&path, &barrier.file, geojson::covered_cells, &frame, layers)?);
+        }
+        Ok(())
+    }
+
+    /// Reads a GeoJSON file that a value names, and packs the cells of the field that its shapes mark.
+    fn read_shapes(
+        &self,
+        path: &FieldPath,
+        file: &Path,
+        mark: ShapeReader,
+        frame: &FieldFrame,
+        layers: Option<&ImportedLayers>,
+    ) -> Result<PackedLayer, Box<ScenarioError>> {
+        let file = self.file(path, file);
+        let text = input_file::read_text(&file, MAX_MAP_BYTES)
+            .map_err(|error| unreadable(&file, &error).at(self.location(path, KeyOrValue::Value)))?;
+        // A field of an impossible size is refused later.
+        if !(1..=MAX_RASTER_CELLS).contains(&frame.cell_count()) {
+            return Ok(PackedLayer::from_bytes(&[]));
+        }
+        let cells = mark(&text, frame, layers).map_err(|error| {
+            let error = json_fault(&text, &error, FieldPath::default());
+            Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
+        })?;
+        let cells = cells.map_err(|message| self.rule(path, format!("{}: {message}", file.display())))?;
+        Ok(PackedLayer::from_bytes(&cells))
     }
 
     fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {

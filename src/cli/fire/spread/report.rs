@@ -223,7 +223,7 @@ fn winds(arguments: &SpreadArguments, weather: &Weather) -> Vec<WindRow> {
         from_s: interval.from.as_seconds(),
         speed_mps: (100.0 * interval.wind_mps.length()).round() / 100.0,
         from_deg: compass::azimuth_deg(-interval.wind_mps).round(),
-        speeds_mps: weather.wind_field(number).map(WindField::speeds),
+        speeds_mps: weather.wind_field(number).map(|field| field.speeds().map(|mps| (100.0 * mps).round() / 100.0)),
     };
     weather.intervals().iter().enumerate().map(row).collect()
 }
