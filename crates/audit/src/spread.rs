@@ -465,15 +465,14 @@ mod tests {
     /// The same with a wind of its own in every cell of some intervals.
     fn with_local_wind(mut setting: Setting) -> Setting {
         if let Some(SpreadSetting::Rothermel { weather, .. }) = &mut setting.spread {
-            let field = |number: usize| {
-                let wind = |index: usize| {
+            let mut fields = Vec::new();
+            for (number, interval) in weather.intervals().iter().enumerate() {
+                let winds = (0..FRAME.cell_count()).map(|index| {
                     let Cell { col, row } = FRAME.cell(index);
-                    weather.intervals()[number].wind_mps + DVec2::new(f64::from(row), -f64::from(col)) / 15.0
-                };
-                Some(Arc::new(WindField::new((0..FRAME.cell_count()).map(wind))))
-            };
-            let fields = (0..weather.intervals().len()).map(|number| if number == 2 { None } else { field(number) });
-            let fields = fields.collect();
+                    interval.wind_mps + DVec2::new(f64::from(row), -f64::from(col)) / 15.0
+                });
+                fields.push((number != 2).then(|| Arc::new(WindField::new(winds))));
+            }
             *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
         }
         setting

@@ -336,9 +336,8 @@ mod tests {
     #[test]
     fn custom_models_have_numbers_of_their_own_and_possible_values() {
         let gr2 = FuelModel { number: 14, ..FuelModel::by_number(102).expect("it is one").clone() };
-        let set = |models: &[&FuelModel]| CustomFuels::new(models.iter().map(|&model| model.clone()).collect());
         let long = FuelModel { number: 255, ..gr2.clone() };
-        let fuels = set(&[&long, &gr2]).expect("both are right");
+        let fuels = CustomFuels::new(vec![long.clone(), gr2.clone()]).expect("both are right");
         assert_eq!((fuels.model(255), fuels.model(14), fuels.model(15)), (Some(&long), Some(&gr2), None));
         assert_eq!(fuels.model(102), FuelModel::by_number(102));
         for written in (0..400).filter(|&written| custom_number(written).is_some()) {
@@ -355,10 +354,10 @@ mod tests {
             (FuelModel { savs: [0.0; 5], ..gr2.clone() }, "ratio of surface to volume of 1-h fuel in 1/ft is 0"),
             (FuelModel { loads: [4.0; 5], depth_ft: 1.0, savs: [2000.0; 5], ..gr2.clone() }, "wood fills 62 %"),
         ] {
-            let error = set(&[&wrong]).expect_err(expected);
+            let error = CustomFuels::new(vec![wrong]).expect_err(expected);
             assert!(error.contains(expected), "{error}");
         }
-        assert_eq!(set(&[&gr2, &gr2]), Err("there are two fuel models 14".into()));
+        assert_eq!(CustomFuels::new(vec![gr2.clone(), gr2]), Err("there are two fuel models 14".into()));
     }
 
     #[test]

@@ -30,8 +30,8 @@ impl WindField {
 
     /// Creates the field of these winds in m/s, by cell index.
     pub fn new(winds: impl Iterator<Item = DVec2>) -> Self {
-        let whole = |component: f64| (component * Self::PARTS).round() as i16;
-        let (east, north) = winds.map(|wind| (whole(wind.x), whole(wind.y))).unzip();
+        let parts = winds.map(|wind| (wind * Self::PARTS).round());
+        let (east, north) = parts.map(|wind| (wind.x as i16, wind.y as i16)).unzip();
         Self { east, north }
     }
 
@@ -44,8 +44,9 @@ impl WindField {
     /// Returns the mean of all cells in m/s.
     pub fn mean(&self) -> DVec2 {
         // Whole numbers add up without rounding, in any order.
-        let sum = |components: &[i16]| components.iter().map(|&part| i64::from(part)).sum::<i64>() as f64;
-        DVec2::new(sum(&self.east), sum(&self.north)) / (Self::PARTS * self.east.len().max(1) as f64)
+        let [east, north] =
+            [&self.east, &self.north].map(|parts| parts.iter().map(|&part| i64::from(part)).sum::<i64>());
+        DVec2::new(east as f64, north as f64) / (Self::PARTS * self.east.len().max(1) as f64)
     }
 
     /// Returns the least and the greatest speed in m/s.

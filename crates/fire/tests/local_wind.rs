@@ -56,26 +56,33 @@ fn hamiltonian(bed: &FuelBed, wind: Wind, at: DVec2, p: DVec2) -> (f64, DVec2) {
     (e * along + norm, a * e * d + (a * along * d + w * across * n) / norm)
 }
 
+/// The place of a ray and the gradient of time there, or their rates.
+type RayState = (DVec2, DVec2);
+
+fn add((x, p): RayState, (dx, dp): RayState, step: f64) -> RayState {
+    (x + step * dx, p + step * dp)
+}
+
+/// Returns the rates of a ray; H is differenced by place, where only its wind differs.
+fn rate(bed: &FuelBed, wind: Wind, (x, p): RayState) -> RayState {
+    const SMALL_M: f64 = 0.01;
+    let by_x = [DVec2::X, DVec2::Y].map(|axis| {
+        let [ahead, behind] = [x + axis * SMALL_M, x - axis * SMALL_M].map(|at| hamiltonian(bed, wind, at, p).0);
+        (ahead - behind) / (2.0 * SMALL_M)
+    });
+    (hamiltonian(bed, wind, x, p).1, -DVec2::from_array(by_x))
+}
+
 /// Returns where the ray that starts with a normal is after a time, by the classical method of Runge and Kutta.
 fn ray(bed: &FuelBed, wind: Wind, start: DVec2, normal: DVec2, seconds: f64) -> DVec2 {
     const STEPS: usize = 200;
-    const SMALL_M: f64 = 0.01;
-    let rate = |(x, p): (DVec2, DVec2)| {
-        let h = |x: DVec2| hamiltonian(bed, wind, x, p).0;
-        let by_x = DVec2::new(
-            h(x + DVec2::X * SMALL_M) - h(x - DVec2::X * SMALL_M),
-            h(x + DVec2::Y * SMALL_M) - h(x - DVec2::Y * SMALL_M),
-        );
-        (hamiltonian(bed, wind, x, p).1, -by_x / (2.0 * SMALL_M))
-    };
-    let add = |(x, p): (DVec2, DVec2), (dx, dp): (DVec2, DVec2), step: f64| (x + step * dx, p + step * dp);
     let mut state = (start, normal / hamiltonian(bed, wind, start, normal).0);
     let step = seconds / STEPS as f64;
     for _ in 0..STEPS {
-        let first = rate(state);
-        let second = rate(add(state, first, step / 2.0));
-        let third = rate(add(state, second, step / 2.0));
-        let fourth = rate(add(state, third, step));
+        let first = rate(bed, wind, state);
+        let second = rate(bed, wind, add(state, first, step / 2.0));
+        let third = rate(bed, wind, add(state, second, step / 2.0));
+        let fourth = rate(bed, wind, add(state, third, step));
         for (share, slope) in [(1.0, first), (2.0, second), (2.0, third), (1.0, fourth)] {
             state = add(state, slope, share * step / 6.0);
         }

@@ -183,12 +183,7 @@ pub struct Scenario {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fuel_file: Option<PathBuf>,
     /// Those of the file. Loading fills it in.
-    #[serde(
-        rename = "given_fuel",
-        default,
-        deserialize_with = "list_of_at_most::<500, _, _>",
-        skip_serializing_if = "Vec::is_empty"
-    )]
+    #[serde(rename = "given_fuel", default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(skip)]
     pub imported_fuel: Vec<FuelModel>,
     /// Places that stop fire, or have another fuel.
@@ -286,8 +281,8 @@ impl Scenario {
 
     /// Checks winds by place that were not read from rasters but from a plan.
     fn check_wind_fields(&self, top: &TablePath, cells: usize) -> Check {
-        let is_damaged = |wind: &WindChange| wind.imported.as_ref().is_some_and(|packed| packed.field(cells).is_none());
-        match self.wind.iter().position(is_damaged) {
+        let mut packed = self.wind.iter().map(|wind| wind.imported.as_ref());
+        match packed.position(|packed| packed.is_some_and(|packed| packed.field(cells).is_none())) {
             Some(number) => {
                 let expected = "winds that can be unpacked and fit the field".into();
                 top.inner("wind").item(number).refuse("given", "damaged".into(), expected)

@@ -3,16 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::Scenario;
 use crate::faults::check::{TablePath, ValidationError};
-use crate::{FuelName, Scenario};
+use crate::site::fuel_file::{BTU_LB_KJ_KG, FOOT_M, LB_FT2_KG_M2, printable};
 use wildfire_base::ranges;
 use wildfire_base::ranges::OutOfRange;
 use wildfire_fire::fuel::{CustomFuels, FuelModel, SAV_10H, SAV_100H, custom_number};
-
-/// Of a pound per square foot, in kg/m2; of a foot, in metres; of a Btu per pound, in kJ/kg.
-pub const LB_FT2_KG_M2: f64 = 0.453_592_37 / (FOOT_M * FOOT_M);
-pub const FOOT_M: f64 = 0.3048;
-pub const BTU_LB_KJ_KG: f64 = 2.326;
 
 /// A fuel model beside the built-in ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -89,11 +85,6 @@ impl CustomFuel {
     }
 }
 
-/// Returns a name as it may be printed.
-pub fn printable(name: &str) -> String {
-    name.chars().filter(|letter| !letter.is_control()).take(60).collect()
-}
-
 impl Scenario {
     /// Returns the custom fuel models, those of a file and those of `[[fuel]]`; none if they are not sound.
     pub fn custom_fuels(&self) -> CustomFuels {
@@ -114,12 +105,11 @@ impl Scenario {
                 CustomFuels::default()
             }
         };
-        let is_unknown = |fuel: &FuelName| fuel.is_custom() && fuels.model(fuel.number()).is_none();
-        let expected = || "a built-in fuel model, or one of `[[fuel]]` or `fuel_file`".to_owned();
         let mut named = Vec::new();
         if let Some(settings) = &self.fire.rothermel {
-            let table = || TablePath::named("fire.rothermel");
-            named.extend([(table(), "ground".into(), settings.ground), (table(), "bushes".into(), settings.bushes)]);
+            for (key, fuel) in [("ground", settings.ground), ("bushes", settings.bushes)] {
+                named.push((TablePath::named("fire.rothermel"), key.into(), fuel));
+            }
         }
         if let Some(settings) = &self.landscape {
             let legend = settings.legend.iter();
@@ -131,9 +121,12 @@ impl Scenario {
         for (number, barrier) in self.barrier.iter().enumerate() {
             named.push((TablePath::entry("barrier", number), "fuel".into(), barrier.fuel));
         }
-        match named.into_iter().find(|(_, _, fuel)| is_unknown(fuel)) {
-            Some((table, key, fuel)) => table.refuse(&key, fuel.to_string(), expected()).map(|()| fuels),
-            None => Ok(fuels),
+        for (table, key, fuel) in named {
+            if fuel.is_custom() && fuels.model(fuel.number()).is_none() {
+                let expected = "a built-in fuel model, or one of `[[fuel]]` or `fuel_file`";
+                table.refuse(&key, fuel.to_string(), expected.into())?;
+            }
         }
+        Ok(fuels)
     }
 }

@@ -185,8 +185,9 @@ impl TryFrom<IgnitionEntry> for Ignition {
             let cells = IgnitionCells::Area(Box::new(IgnitionArea { file, inside: entry.inside }));
             return Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells });
         }
-        if let (Some(points), None, None, None) = (&entry.points_m, &entry.cells, entry.random, &entry.density) {
-            return Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells: IgnitionCells::Points(points.clone()) });
+        let has_others = entry.cells.is_some() || entry.random.is_some() || entry.density.is_some();
+        if let Some(points) = entry.points_m.filter(|_| !has_others) {
+            return Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells: IgnitionCells::Points(points) });
         }
         let cells = match (entry.cells, entry.random, entry.density) {
             (Some(cells), None, None) => IgnitionCells::Cells(cells),

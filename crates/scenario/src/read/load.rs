@@ -307,18 +307,19 @@ impl WrittenScenario<'_> {
                 IgnitionCells::Points(points) => {
                     let path = list.join(PathStep::key("points_m"));
                     let corner = layers.map_or([0.0; 2], |layers| [layers.west_m, layers.south_m]);
-                    let cell_at = |&[x, y]: &[f64; 2]| {
-                        frame.cell_at(DVec2::new(x - corner[0], y - corner[1])).ok_or_else(|| {
-                            let [width, height] = [frame.width_m(), frame.height_m()];
+                    let mut cells = Vec::with_capacity(points.len());
+                    for &[x, y] in points.iter() {
+                        let Some(cell) = frame.cell_at(DVec2::new(x - corner[0], y - corner[1])) else {
                             let [west, south] = corner;
+                            let [width, height] = [frame.width_m(), frame.height_m()];
                             let message = format!(
                                 "`{path}`: there is no cell at ({x}, {y}); expected a place in the field of {width} x \
                                  {height} m from ({west}, {south}) on"
                             );
-                            self.rule(&path, message)
-                        })
-                    };
-                    let cells = points.iter().map(cell_at).collect::<Result<_, _>>()?;
+                            return Err(self.rule(&path, message));
+                        };
+                        cells.push(cell);
+                    }
                     ignition.cells = IgnitionCells::Cells(cells);
                 }
                 IgnitionCells::Cells(_) | IgnitionCells::Random(_) => {}
@@ -416,18 +417,17 @@ impl WrittenScenario<'_> {
                 let message = format!("`{entry}` has rasters; expected no `speed_mps` and no `toward_deg` beside them");
                 return Err(self.rule(&path, message));
             }
-            // Files of a list lie beside it.
-            let file = |key: &str, file: &Path| match of_list {
-                Some(_) => file.to_owned(),
-                None => self.file(&entry.join(PathStep::key(key)), file),
-            };
             let keys = match rasters.kind {
                 WindRasterKind::SpeedFrom => ["speed", "from"],
                 WindRasterKind::SpeedToward => ["speed", "toward"],
                 WindRasterKind::EastNorth => ["east", "north"],
             };
-            let first = file(keys[0], rasters.first);
-            let second = file(keys[1], rasters.second);
+            // Files of a list lie beside it.
+            let [first, second] = match of_list {
+                Some(_) => [rasters.first.to_owned(), rasters.second.to_owned()],
+                None => [(keys[0], rasters.first), (keys[1], rasters.second)]
+                    .map(|(key, file)| self.file(&entry.join(PathStep::key(key)), file)),
+            };
             let rasters = WindRasters { first: &first, second: &second, ..rasters };
             let field = rasters.read(&frame, layers).map_err(|message| self.rule(&path, message))?;
             wind.set_field(&field);

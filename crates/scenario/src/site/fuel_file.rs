@@ -7,10 +7,14 @@
 
 use std::path::Path;
 
-use crate::keys::custom_fuel::{BTU_LB_KJ_KG, FOOT_M, LB_FT2_KG_M2, printable};
 use wildfire_base::input_file;
 use wildfire_base::untrusted::visible_start;
 use wildfire_fire::fuel::{CUSTOM_NUMBERS, CustomFuels, FuelModel, SAV_10H, SAV_100H, TON_PER_ACRE, custom_number};
+
+/// Of a pound per square foot, in kg/m2; of a foot, in metres; of a Btu per pound, in kJ/kg.
+pub const LB_FT2_KG_M2: f64 = 0.453_592_37 / (FOOT_M * FOOT_M);
+pub const FOOT_M: f64 = 0.3048;
+pub const BTU_LB_KJ_KG: f64 = 2.326;
 
 /// The most bytes of a file of fuel models.
 const MAX_BYTES: u64 = 1_000_000;
@@ -37,7 +41,7 @@ pub fn read_fuels(path: &Path) -> Result<Vec<FuelModel>, String> {
     let mut units = None;
     let mut models: Vec<FuelModel> = Vec::new();
     for (line, number) in lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#')) {
-        let refused = |sentence: String| format!("{name}: line {number}: {sentence}");
+        let at = format!("{name}: line {number}");
         match line.to_ascii_uppercase().as_str() {
             "ENGLISH" => units = Some(ENGLISH),
             "METRIC" => units = Some(METRIC),
@@ -60,12 +64,11 @@ pub fn read_fuels(path: &Path) -> Result<Vec<FuelModel>, String> {
                         visible_start(line)
                     )),
                 };
-                if let Some(model) = model.and_then(custom_only).map_err(refused)? {
-                    let refused = |sentence: String| format!("{name}: line {number}: {sentence}");
+                if let Some(model) = model.and_then(custom_only).map_err(|sentence| format!("{at}: {sentence}"))? {
                     let twice = models.iter().any(|other| other.number == model.number);
-                    CustomFuels::new(vec![model.clone()]).map_err(refused)?;
+                    CustomFuels::new(vec![model.clone()]).map_err(|sentence| format!("{at}: {sentence}"))?;
                     if twice {
-                        return Err(refused("its number is that of a model before".into()));
+                        return Err(format!("{at}: its number is that of a model before"));
                     }
                     models.push(model);
                 }
@@ -77,6 +80,11 @@ pub fn read_fuels(path: &Path) -> Result<Vec<FuelModel>, String> {
     } else {
         Ok(models)
     }
+}
+
+/// Returns a name as it may be printed.
+pub fn printable(name: &str) -> String {
+    name.chars().filter(|letter| !letter.is_control()).take(60).collect()
 }
 
 /// A row with its written number.
@@ -92,20 +100,21 @@ fn custom_only(row: Row) -> Result<Option<FuelModel>, String> {
         return Ok(Some(FuelModel { number, ..model }));
     }
     let built_in = u8::try_from(written).ok().and_then(FuelModel::by_number);
-    let is_near = |found: f64, expected: f64| (found - expected).abs() <= SAME * expected + SAME_LB_FT2;
-    let is_same = |built_in: &FuelModel| {
-        !built_in.burns() && model.loads.iter().sum::<f64>() == 0.0
-            || is_near(model.depth_ft, built_in.depth_ft)
-                && model.loads.iter().zip(built_in.loads).all(|(&found, expected)| is_near(found, expected))
-    };
     match built_in {
-        Some(built_in) if is_same(built_in) => Ok(None),
+        Some(built_in) if is_same(&model, built_in) => Ok(None),
         Some(built_in) => Err(format!(
             "fuel model {written} is not the built-in {}; expected a number {CUSTOM_NUMBERS} for a custom model",
             built_in.code
         )),
         None => Err(format!("found the number {written}, expected {CUSTOM_NUMBERS}")),
     }
+}
+
+/// Says whether a row repeats a built-in model, whose loads may be rounded.
+fn is_same(model: &FuelModel, built_in: &FuelModel) -> bool {
+    let is_bare = !built_in.burns() && model.loads.iter().sum::<f64>() == 0.0;
+    let mut pairs = model.loads.iter().zip(built_in.loads).chain([(&model.depth_ft, built_in.depth_ft)]);
+    is_bare || pairs.all(|(found, expected)| (found - expected).abs() <= SAME * expected + SAME_LB_FT2)
 }
 
 fn fmd_model(cells: &[&str], units: &Units) -> Result<Row, String> {
@@ -144,13 +153,7 @@ fn csv_model(cells: &[&str]) -> Result<Row, String> {
 /// Reads the numbers of a row; `places` are the columns of the first load and of the first ratio, of the depth, the moisture and
 /// the heat contents.
 fn row(cells: &[&str], names: [&str; 2], cures: bool, places: [usize; 6], units: &Units) -> Result<Row, String> {
-    let number = |place: usize| {
-        let found = cells[place].parse::<f64>().ok().filter(|number| number.is_finite());
-        found.ok_or_else(|| {
-            format!("found `{}`, expected a number in column {}", visible_start(cells[place]), place + 1)
-        })
-    };
-    let written = number(0)?;
+    let written = number(cells, 0)?;
     if !(written.fract() == 0.0 && (0.0..1e9).contains(&written)) {
         return Err(format!("found the number {written}, expected {CUSTOM_NUMBERS}"));
     }
@@ -158,11 +161,11 @@ fn row(cells: &[&str], names: [&str; 2], cures: bool, places: [usize; 6], units:
     let Units([of_loads, of_ratios, of_depths, of_heats]) = *units;
     let mut loads = [0.0; 5];
     for (place, of_class) in loads.iter_mut().enumerate() {
-        *of_class = number(load + place)? * of_loads;
+        *of_class = number(cells, load + place)? * of_loads;
     }
     let mut savs = [0.0, SAV_10H, SAV_100H, 0.0, 0.0];
     for (place, class) in [0, 3, 4].into_iter().enumerate() {
-        savs[class] = number(ratio + place)? * of_ratios;
+        savs[class] = number(cells, ratio + place)? * of_ratios;
     }
     let [code, name] = names.map(printable);
     let model = FuelModel {
@@ -171,13 +174,18 @@ fn row(cells: &[&str], names: [&str; 2], cures: bool, places: [usize; 6], units:
         name: name.into(),
         loads,
         savs,
-        depth_ft: number(depth)? * of_depths,
-        dead_extinction: number(extinction)? / 100.0,
-        heat_btu_lb: number(heat)? * of_heats,
-        live_heat_btu_lb: number(live_heat)? * of_heats,
+        depth_ft: number(cells, depth)? * of_depths,
+        dead_extinction: number(cells, extinction)? / 100.0,
+        heat_btu_lb: number(cells, heat)? * of_heats,
+        live_heat_btu_lb: number(cells, live_heat)? * of_heats,
         cures,
     };
     Ok(Row { written: written as u32, model })
+}
+
+fn number(cells: &[&str], place: usize) -> Result<f64, String> {
+    let found = cells[place].parse::<f64>().ok().filter(|number| number.is_finite());
+    found.ok_or_else(|| format!("found `{}`, expected a number in column {}", visible_start(cells[place]), place + 1))
 }
 
 #[cfg(test)]
@@ -229,9 +237,9 @@ mod tests {
     #[test]
     fn rows_of_built_in_models_are_left_out_if_they_are_those() {
         let table = "4,FBFM04,.FALSE.,0.23,0.184,0.092,0,0.23,2000,9999,1500,6,20,8000\n98,NB8,.FALSE.,0,0,0,0,0,1,1,1,0,10,0\n";
-        let own = "14,OWN,F,0.03,0,0,0,0,3500,9999,9999,1.0,12,8000\n";
-        assert_eq!(read(&format!("{table}{own}")).expect("it is right").len(), 1);
-        let refused = read(&format!("{own}{}", table.replace("0.184", "0.2"))).expect_err("it is another");
+        let custom = "14,OWN,F,0.03,0,0,0,0,3500,9999,9999,1.0,12,8000\n";
+        assert_eq!(read(&format!("{table}{custom}")).expect("it is right").len(), 1);
+        let refused = read(&format!("{custom}{}", table.replace("0.184", "0.2"))).expect_err("it is another");
         assert!(refused.contains("line 2: fuel model 4 is not the built-in R04"), "{refused}");
     }
 

@@ -21,8 +21,8 @@ impl FuelName {
 
     /// Returns the model of a code or a number in digits; `None` if it is none.
     pub fn parse(name: &str) -> Option<Self> {
-        let custom = || name.parse().ok().and_then(custom_number);
-        FuelModel::by_name(name).map(|model| model.number).or_else(custom).map(Self)
+        let built_in = FuelModel::by_name(name).map(|model| model.number);
+        built_in.or_else(|| name.parse().ok().and_then(custom_number)).map(Self)
     }
 
     /// Returns the number that landscapes hold: 0 for nothing.

@@ -276,7 +276,6 @@ impl Shapes {
 
     /// Returns where two edges of a ring cross that are not neighbours.
     fn first_crossing(&self) -> Option<DVec2> {
-        let side = |a: DVec2, b: DVec2, c: DVec2| (b - a).perp_dot(c - a);
         (0..self.ring_ends.len()).find_map(|ring| {
             let edges: Vec<(DVec2, DVec2)> = self.edges(ring..ring + 1).filter(|(a, b)| a != b).collect();
             if edges.len() > MAX_RING {
@@ -363,6 +362,11 @@ impl Shapes {
             points.iter().zip(points.iter().cycle().skip(1)).map(|(&a, &b)| (a, b))
         })
     }
+}
+
+/// Positive if a point lies to the left of the line from one to another.
+fn side(a: DVec2, b: DVec2, point: DVec2) -> f64 {
+    (b - a).perp_dot(point - a)
 }
 
 /// Lists the rows that a straight piece crosses, and the columns in each; its ends are in cells from the south-west corner.

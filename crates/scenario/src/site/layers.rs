@@ -257,8 +257,8 @@ impl LayerReader {
         }
         match kind {
             LayerKind::Fuel => {
-                let number = |&value: &f32| custom_number(value as u32).unwrap_or(value as u8);
-                self.fuel = Some(values.iter().map(number).collect());
+                let stored = values.iter().map(|&value| custom_number(value as u32).unwrap_or(value as u8));
+                self.fuel = Some(stored.collect());
             }
             LayerKind::Elevation => self.elevation = Some(values),
             LayerKind::Slope => self.slope = Some(values),
@@ -682,13 +682,8 @@ impl LayerKind {
 
     /// Returns what is expected instead of a value; `None` if the value is right.
     fn expects(self, value: f32, custom_fuels: &CustomFuels) -> Option<&'static str> {
-        let is_fuel = || {
-            let is_whole = value.fract() == 0.0 && (0.0..1000.0).contains(&value);
-            let is_custom = custom_number(value as u32).is_some_and(|number| custom_fuels.model(number).is_some());
-            is_whole && (is_custom || value < 256.0 && FuelModel::by_number(value as u8).is_some())
-        };
         match self {
-            Self::Fuel if is_fuel() => None,
+            Self::Fuel if is_fuel_model(value, custom_fuels) => None,
             Self::Fuel if custom_number(value.max(0.0) as u32).is_some() && value.fract() == 0.0 => {
                 Some("a built-in fuel model or a custom one: no `[[fuel]]` and no `fuel_file` has this number")
             }
@@ -702,6 +697,17 @@ impl LayerKind {
             Self::Canopy(place) if value.fract() == 0.0 && (0.0..=CANOPY[place].0).contains(&value) => None,
             Self::Canopy(place) => Some(CANOPY[place].1),
         }
+    }
+}
+
+/// Says whether a value is the number of a built-in or a custom fuel model.
+fn is_fuel_model(value: f32, custom_fuels: &CustomFuels) -> bool {
+    if value.fract() != 0.0 || !(0.0..1000.0).contains(&value) {
+        return false;
+    }
+    match custom_number(value as u32) {
+        Some(number) => custom_fuels.model(number).is_some(),
+        None => value < 256.0 && FuelModel::by_number(value as u8).is_some(),
     }
 }
 
@@ -870,22 +876,22 @@ impl PackedLayer {
     }
 
     /// Packs differences of neighbours, their high bytes before their low ones.
-    pub(crate) fn from_words(words: &[i16]) -> Self {
-        let before = std::iter::once(0).chain(words.iter().copied());
+    pub(crate) fn from_integers(integers: &[i16]) -> Self {
+        let before = std::iter::once(0).chain(integers.iter().copied());
         let differences: Vec<[u8; 2]> =
-            words.iter().zip(before).map(|(word, before)| word.wrapping_sub(before).to_be_bytes()).collect();
+            integers.iter().zip(before).map(|(number, before)| number.wrapping_sub(before).to_be_bytes()).collect();
         let bytes: Vec<u8> = [0, 1].iter().flat_map(|&place| differences.iter().map(move |pair| pair[place])).collect();
         Self::from_bytes(&bytes)
     }
 
-    pub(crate) fn words(&self, expected: usize) -> Option<Vec<i16>> {
+    pub(crate) fn integers(&self, expected: usize) -> Option<Vec<i16>> {
         let bytes = self.bytes(2 * expected)?;
-        let mut word = 0_i16;
-        let words = (0..expected).map(|index| {
-            word = word.wrapping_add(i16::from_be_bytes([bytes[index], bytes[expected + index]]));
-            word
+        let mut number = 0_i16;
+        let integers = (0..expected).map(|index| {
+            number = number.wrapping_add(i16::from_be_bytes([bytes[index], bytes[expected + index]]));
+            number
         });
-        Some(words.collect())
+        Some(integers.collect())
     }
 
     pub(crate) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {

@@ -180,11 +180,11 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
     let fields: Vec<Option<Arc<WindField>>> =
         winds.iter().map(|wind| Some(Arc::new(change.applied_to(wind.imported.as_ref()?.field(cells)?)))).collect();
     // An interval may begin with a change of the moisture: it goes on with the wind of before.
-    let field_at = |from: SimTime| {
-        let wind = winds.iter().rposition(|wind| SimTime::from_seconds(wind.at_s) <= from)?;
+    let of_intervals = weather.intervals().iter().map(|interval| {
+        let wind = winds.iter().rposition(|wind| SimTime::from_seconds(wind.at_s) <= interval.from)?;
         fields[wind].clone()
-    };
-    let of_intervals = weather.intervals().iter().map(|interval| field_at(interval.from)).collect();
+    });
+    let of_intervals = of_intervals.collect();
     weather.with_wind_fields(of_intervals)
 }
 

@@ -41,12 +41,12 @@ pub struct PackedWind {
 
 impl PackedWind {
     pub(crate) fn new(field: &WindField) -> Self {
-        Self { east: PackedLayer::from_words(&field.east), north: PackedLayer::from_words(&field.north) }
+        Self { east: PackedLayer::from_integers(&field.east), north: PackedLayer::from_integers(&field.north) }
     }
 
     /// Returns the wind by cell index; `None` if it was made for a field of another size.
     pub(crate) fn field(&self, cells: usize) -> Option<WindField> {
-        Some(WindField { east: self.east.words(cells)?, north: self.north.words(cells)? })
+        Some(WindField { east: self.east.integers(cells)?, north: self.north.integers(cells)? })
     }
 }
 
@@ -87,14 +87,10 @@ impl WindRasters<'_> {
                 <= ROUNDING * first.cell_m
             && (first.cell_m - second.cell_m).abs() <= 1e-6 * first.cell_m;
         if !has_same_place {
-            let describe = |raster: &Raster| {
-                let Raster { rows, cols, west_m, south_m, cell_m, .. } = raster;
-                format!("{rows} rows and {cols} columns of {cell_m} m from ({west_m}, {south_m})")
-            };
             return Err(format!(
                 "{name}: it has {}, expected {} as in {}",
-                describe(&second),
-                describe(&first),
+                describe_place(&second),
+                describe_place(&first),
                 self.first.display()
             ));
         }
@@ -172,10 +168,10 @@ impl WindRasters<'_> {
             }
         };
         let mut raster = band.raster;
-        let epsg = |keys: Option<&GeoKeys>| keys.and_then(GeoKeys::epsg);
-        if let (Some(found), Some(expected)) =
-            (epsg(raster.crs.as_ref()), epsg(layers.and_then(|layers| layers.crs.as_ref())))
-            && found != expected
+        if let (Some(found), Some(expected)) = (
+            raster.crs.as_ref().and_then(GeoKeys::epsg),
+            layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg),
+        ) && found != expected
         {
             return Err(format!(
                 "{name}: it is in the coordinate system EPSG:{found}, expected EPSG:{expected} as in the landscape"
@@ -220,6 +216,11 @@ impl WindRasters<'_> {
     }
 }
 
+fn describe_place(raster: &Raster) -> String {
+    let Raster { rows, cols, west_m, south_m, cell_m, .. } = raster;
+    format!("{rows} rows and {cols} columns of {cell_m} m from ({west_m}, {south_m})")
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
     Speed,
@@ -256,7 +257,8 @@ impl WindUnits {
 fn bilinear(winds: &[Option<DVec2>], [cols, rows]: [usize; 2], place: DVec2) -> Option<DVec2> {
     let x = place.x.clamp(0.0, (cols - 1) as f64);
     let y = place.y.clamp(0.0, (rows - 1) as f64);
-    let (col, row) = (x as usize, y as usize);
+    let col = x as usize;
+    let row = y as usize;
     let [beyond_x, beyond_y] = [x - col as f64, y - row as f64];
     let mut sum = DVec2::ZERO;
     let mut weights = 0.0;
@@ -304,8 +306,8 @@ pub(crate) fn read_list(path: &Path, text: &str, end_s: f64) -> Result<Vec<WindC
             continue;
         };
         let cells: Vec<&str> = line.split_whitespace().collect();
-        let whole = |place: usize| cells.get(place).and_then(|cell| cell.parse::<u32>().ok());
-        let [Some(month), Some(day), Some(time)] = [0, 1, 2].map(whole) else {
+        let numbers = [0, 1, 2].map(|place| cells.get(place).and_then(|cell| cell.parse::<u32>().ok()));
+        let [Some(month), Some(day), Some(time)] = numbers else {
             return refused("month, day, hhmm, and the files of speed and direction");
         };
         let [Some(speed), Some(from)] = [3, 4].map(|place| cells.get(place)) else {
@@ -456,34 +458,38 @@ mod tests {
     #[test]
     fn rasters_that_cannot_be_a_wind_of_the_field_are_refused() {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let file = |name: &str, head: &str, rows: &str| grid(folder.path(), name, head, rows);
-        let speed = file("speed.asc", COARSE, "2 4");
-        let from = file("from.asc", COARSE, "270 270");
+        let path = folder.path();
+        let speed = grid(path, "speed.asc", COARSE, "2 4");
+        let from = grid(path, "from.asc", COARSE, "270 270");
         for (first, second, expected) in [
             (
-                file("negative.asc", COARSE, "2 -1"),
+                grid(path, "negative.asc", COARSE, "2 -1"),
                 from.clone(),
                 "negative.asc: row 0, column 1: found -1, expected a wind of 0",
             ),
             (
                 speed.clone(),
-                file("turn.asc", COARSE, "2 400"),
+                grid(path, "turn.asc", COARSE, "2 400"),
                 "turn.asc: row 0, column 1: found 400, expected an azimuth",
             ),
-            (file("hole.asc", COARSE, "-9999 -9999"), from.clone(), "hole.asc: found no data at (5, 5)"),
+            (grid(path, "hole.asc", COARSE, "-9999 -9999"), from.clone(), "hole.asc: found no data at (5, 5)"),
             (
                 speed.clone(),
-                file("fine.asc", &COARSE.replace("20", "30"), "1 1"),
+                grid(path, "fine.asc", &COARSE.replace("20", "30"), "1 1"),
                 "fine.asc: it has 1 rows and 2 columns of 30 m",
             ),
-            (speed, file("three.asc", &COARSE.replace("ncols 2", "ncols 3"), "1 1 1"), "expected 1 rows and 2 columns"),
+            (
+                speed,
+                grid(path, "three.asc", &COARSE.replace("ncols 2", "ncols 3"), "1 1 1"),
+                "expected 1 rows and 2 columns",
+            ),
             (folder.path().join("none.asc"), from, "none.asc"),
         ] {
             let refused = read(&first, &second, WindRasterKind::SpeedFrom, WindUnits::Si).expect_err(expected);
             assert!(refused.contains(expected), "{refused}");
         }
         let small = COARSE.replace("cellsize 20", "cellsize 10");
-        let speed = file("small.asc", &small, "1 1");
+        let speed = grid(path, "small.asc", &small, "1 1");
         let refused = read(&speed, &speed, WindRasterKind::SpeedFrom, WindUnits::Si).expect_err("it ends too early");
         assert!(
             refused.contains("small.asc: it reaches from (0, 0) to (20, 10), expected wind for the whole"),

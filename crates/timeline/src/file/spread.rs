@@ -253,9 +253,13 @@ impl LocalRecord {
     fn new(spread: &SpreadSetting) -> Option<Self> {
         let custom_fuels: Vec<_> = spread.landscape().custom_fuels.models().iter().map(FuelRecord::from).collect();
         let cols = usize::from(spread.landscape().frame.cols);
-        let surface = |parts: &Vec<i16>| SurfaceRecord::new(cols, parts.iter().map(|&part| f32::from(part)));
-        let wind = |field: &Arc<WindField>| [surface(&field.east), surface(&field.north)];
-        let winds: Vec<_> = spread.weather().wind_fields().iter().map(|field| field.as_ref().map(wind)).collect();
+        let fields = spread.weather().wind_fields().iter();
+        let winds: Vec<_> = fields
+            .map(|field| {
+                let WindField { east, north } = field.as_deref()?;
+                Some([east, north].map(|parts| SurfaceRecord::new(cols, parts.iter().map(|&part| f32::from(part)))))
+            })
+            .collect();
         (!custom_fuels.is_empty() || !winds.is_empty()).then_some(Self { custom_fuels, winds })
     }
 
@@ -271,15 +275,16 @@ impl LocalRecord {
             if self.winds.len() != weather.intervals().len() {
                 return Err(FileError::Damaged("its winds by place are not those of its weather"));
             }
-            let parts = |surface: &SurfaceRecord| {
-                let numbers = surface.numbers(frame)?.into_iter();
-                Ok::<_, FileError>(numbers.map(|number| number as i16).collect())
-            };
-            let field = |wind: &Option<[SurfaceRecord; 2]>| {
-                let Some([east, north]) = wind else { return Ok(None) };
-                Ok::<_, FileError>(Some(Arc::new(WindField { east: parts(east)?, north: parts(north)? })))
-            };
-            let fields = self.winds.iter().map(field).collect::<Result<_, _>>()?;
+            let mut fields = Vec::with_capacity(self.winds.len());
+            for wind in &self.winds {
+                let field = match wind {
+                    Some([east, north]) => {
+                        Some(Arc::new(WindField { east: east.integers(frame)?, north: north.integers(frame)? }))
+                    }
+                    None => None,
+                };
+                fields.push(field);
+            }
             *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
         }
         Ok(spread)
@@ -396,6 +401,12 @@ impl SurfaceRecord {
 
     fn numbers(&self, frame: FieldFrame) -> Result<Vec<f32>, FileError> {
         read_surface(frame.cols.into(), frame.cell_count(), &self.lengths, &self.bits)
+    }
+}
+
+impl SurfaceRecord {
+    fn integers(&self, frame: FieldFrame) -> Result<Vec<i16>, FileError> {
+        Ok(self.numbers(frame)?.into_iter().map(|number| number as i16).collect())
     }
 }
 

@@ -16,7 +16,7 @@ use wildfire_fire::fuel::written_number;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::surface::crown::FireType;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
-use wildfire_fire::{Landscape, Weather, WeatherInterval, WindField};
+use wildfire_fire::{Landscape, Weather, WeatherInterval};
 
 /// What is said of a fire.
 #[derive(Debug, Serialize)]
@@ -211,21 +211,21 @@ impl SpreadReport {
 /// Lists the winds that were given, or those of rasters.
 fn winds(arguments: &SpreadArguments, weather: &Weather) -> Vec<WindRow> {
     if !weather.is_local() {
-        let row = |wind: &WindStep| WindRow {
-            from_s: wind.from.as_seconds(),
-            speed_mps: wind.speed_mps,
-            from_deg: wind.from_deg,
+        let winds = arguments.winds().into_iter().map(|WindStep { from, speed_mps, from_deg }| WindRow {
+            from_s: from.as_seconds(),
+            speed_mps,
+            from_deg,
             speeds_mps: None,
-        };
-        return arguments.winds().iter().map(row).collect();
+        });
+        return winds.collect();
     }
-    let row = |(number, interval): (usize, &WeatherInterval)| WindRow {
+    let winds = weather.intervals().iter().enumerate().map(|(number, interval): (usize, &WeatherInterval)| WindRow {
         from_s: interval.from.as_seconds(),
         speed_mps: (100.0 * interval.wind_mps.length()).round() / 100.0,
         from_deg: compass::azimuth_deg(-interval.wind_mps).round(),
         speeds_mps: weather.wind_field(number).map(|field| field.speeds().map(|mps| (100.0 * mps).round() / 100.0)),
-    };
-    weather.intervals().iter().enumerate().map(row).collect()
+    });
+    winds.collect()
 }
 
 /// Counts the cells of each fuel.

@@ -156,8 +156,8 @@ impl Rates {
     pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
         // Only fuels of this landscape get beds: each bed is computed per interval.
         let models = landscape.burning_models();
-        let adjustment = |model: &FuelModel| twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft);
-        let adjustments = models.iter().map(adjustment).collect();
+        let depths = models.iter().map(|model| model.depth_ft);
+        let adjustments = depths.map(|depth_ft| twenty_foot_wind(1.0) * unsheltered_adjustment(depth_ft)).collect();
         let intervals = weather.intervals().len();
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
         let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
