@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn custom_models_have_numbers_of_their_own_and_possible_values() {
+    fn custom_models_have_their_numbers_and_possible_values() {
         let gr2 = FuelModel { number: 14, ..FuelModel::by_number(102).expect("it is one").clone() };
         let long = FuelModel { number: 255, ..gr2.clone() };
         let fuels = CustomFuels::new(vec![long.clone(), gr2.clone()]).expect("both are right");

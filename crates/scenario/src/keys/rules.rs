@@ -303,7 +303,11 @@ pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let count = ignitions.len();
     let by_density =
         if drawn > 0 { format!(", and {drawn} chosen at random by maps of weights") } else { String::new() };
-    let by_density = if areas > 0 { format!("{by_density}, and {areas} perimeters") } else { by_density };
+    let by_density = match areas {
+        0 => by_density,
+        1 => format!("{by_density}, and a perimeter"),
+        _ => format!("{by_density}, and {areas} perimeters"),
+    };
     let repeated = match ignitions.iter().filter(|ignition| ignition.every_s.is_some()).count() {
         0 => String::new(),
         repeated => format!(" {repeated} of them repeated to the end of the run."),
