@@ -404,3 +404,161 @@ fn calculators_refuse_rows_by_line_and_column() {
         assert!(!story.path("out.csv").exists(), "{sentence}");
     }
 }
+
+#[test]
+fn custom_fuels_of_a_file_burn_like_built_in_ones_of_the_same_numbers() {
+    let story = Story::begin();
+    story.file("mine.fmd", "ENGLISH\n14 MINE 0.10 0 0 1.00 0 dynamic 2000 1800 0 1.0 15 8000 8000 Low grass\n");
+    let burn = |fuel: &[&str]| {
+        let usual = ["fire", "spread", "--rows", "41", "--cols", "41", "--wind", "3@250", "--arrival", "times.asc"];
+        story.tell(&[&usual[..], fuel].concat()).expect_code(0);
+        story.read("times.asc")
+    };
+    let built_in = burn(&["--fuel", "GR2"]);
+    assert_eq!(burn(&["--fuel", "14", "--fuel-models", "mine.fmd"]), built_in);
+    story
+        .file("fuel.asc", &format!("ncols 41\nnrows 41\nxllcorner 0\nyllcorner 0\ncellsize 5\n{}", "14 ".repeat(1681)));
+    assert_eq!(burn(&["--fuel", "fuel.asc", "--fuel-models", "mine.fmd"]), built_in);
+    let refused = story.tell(&["fire", "spread", "--fuel", "fuel.asc"]).expect_code(2).stderr;
+    assert!(
+        refused.contains("fuel.asc: row 0, column 0: found 14, expected a built-in fuel model or a custom"),
+        "{refused}"
+    );
+    let scenario = "name = \"mine\"\nduration_s = 1200\nwumpus = []\nunimog = []\nfuel_file = \"mine.fmd\"\n\
+        [[fuel]]\nnumber = 300\nloads_kg_m2 = [0.4, 0, 0, 0, 0.6]\nsavs_per_m = [6000, 0, 5000]\ndepth_m = 0.7\n\
+        extinction = 0.2\n[field]\nsize_m = 200\n[fire]\nmodel = \"rothermel\"\n\
+        [fire.rothermel]\nground = 14\nbushes = 300\n[[wind]]\nspeed_mps = 3\ntoward_deg = 20\n\
+        [[ignition]]\nat_s = 0\ncells = [[20, 20]]\n";
+    story.file("mine.toml", scenario);
+    let checked = story.tell(&["check", "mine.toml"]).expect_code(0).stdout;
+    assert!(checked.contains("Custom fuel models (file mine.fmd): 14 MINE, 300 300."), "{checked}");
+    assert!(checked.contains("MINE (Low grass) 90 %"), "{checked}");
+    story.tell(&["run", "mine.toml", "--out", "mine.wildfire"]).expect_code(0);
+    story.tell(&["audit", "mine.wildfire"]).expect_code(0);
+    story.tell(&["batch", "mine.toml", "--seeds", "1..2", "--out", "mine"]).expect_code(0);
+    for (wrong, expected) in [
+        ("--set=fire.rothermel.ground=15", "expected a built-in fuel model, or one of `[[fuel]]` or `fuel_file`"),
+        ("--set=fuel.0.number=14", "there are two fuel models 14"),
+        ("--set=fuel.0.depth_m=0", "depth_m"),
+        ("--set=fuel_file=none.fmd", "none.fmd: "),
+    ] {
+        let refused = story.tell(&["check", "mine.toml", wrong]).expect_code(2).stderr;
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+/// A grid of 20 x 20 cells of 20 m, a value by row from the north and column.
+fn grid(value: impl Fn(usize, usize) -> String) -> String {
+    let rows = (0..20).map(|row| (0..20).map(|col| value(row, col)).collect::<Vec<_>>().join(" "));
+    let head = "ncols 20\nnrows 20\nxllcorner 1000\nyllcorner 2000\ncellsize 20\nNODATA_value -9999\n";
+    head.to_owned() + &rows.collect::<Vec<_>>().join("\n")
+}
+
+const LOCAL: &str = "name = \"local\"\nduration_s = 3000\nwumpus = []\nunimog = []\n[field]\ncoverage = 0\n\
+    [fire]\nmodel = \"rothermel\"\n[fire.rothermel]\nfuel_map = \"fuel.asc\"\n\
+    [[wind]]\nspeed = \"speed.asc\"\nfrom = \"from.asc\"\n[[wind]]\nat_s = 1500\nspeed_mps = 2\ntoward_deg = 90\n";
+
+fn local_story(rest: &str) -> Story {
+    let story = Story::begin();
+    story.file("fuel.asc", &grid(|row, _| if row == 0 { "91".into() } else { "102".into() }));
+    story.file("speed.asc", &grid(|row, _| (1 + row / 4).to_string()));
+    story.file("from.asc", &grid(|_, col| (250 + col).to_string()));
+    story.file("local.toml", &format!("{LOCAL}{rest}"));
+    story
+}
+
+#[test]
+fn wind_by_place_is_checked_recorded_audited_and_the_same_in_spread_and_runs() {
+    let story = local_story("[[ignition]]\nat_s = 0\npoints_m = [[1090, 2110]]\n");
+    let checked = story.tell(&["check", "local.toml"]).expect_code(0).stdout;
+    assert!(checked.contains("From 0 s: by place, 0.995 to 5.006 m/s, on average 2.985 m/s"), "{checked}");
+    story.tell(&["run", "local.toml", "--out", "local.wildfire"]).expect_code(0);
+    story.tell(&["audit", "local.wildfire"]).expect_code(0);
+    story.tell(&["map-of", "local.wildfire", "--arrival", "--asc", "run.asc"]).expect_code(0);
+    story.tell(&["render", "local.toml", "--at", "600", "--out", "local.png"]).expect_code(0);
+    let winds = ["--wind-speed", "speed.asc", "--wind-from", "from.asc"];
+    let usual =
+        ["fire", "spread", "--fuel", "fuel.asc", "--ignite", "5,4", "--duration", "1500", "--arrival", "alone.asc"];
+    let answer = story.tell(&[&usual[..], &winds].concat()).expect_code(0).stdout;
+    assert!(answer.contains("Wind at 10 m: by place 1.0 to 5.0 m/s, on average 2.98 m/s from"), "{answer}");
+    let times = |file| -> Vec<f64> {
+        story
+            .read(file)
+            .lines()
+            .skip(6)
+            .flat_map(str::split_whitespace)
+            .map(|it| it.parse().expect("a number"))
+            .collect()
+    };
+    let run = times("run.asc");
+    let alone = times("alone.asc");
+    assert_eq!(run.len(), 400);
+    let early = run.iter().zip(&alone).filter(|(run, _)| (0.0..1500.0).contains(*run));
+    assert!(early.clone().count() > 20 && early.clone().all(|(run, alone)| run == alone));
+    story.file(
+        "winds.atm",
+        "WINDS_AND_CLOUDS\nMETRIC\n7 14 1200 speed.asc from.asc clouds.asc\n7 14 1230 none.asc from.asc\n",
+    );
+    let listed = story.tell(&[&usual[..], &["--wind-list", "winds.atm"]].concat()).expect_code(0).stdout;
+    assert!(listed.contains("by place 0.3 to 1.4 m/s"), "{listed}");
+    let refused = story.tell(&["fire", "spread", "--fuel", "fuel.asc", "--wind-list", "winds.atm"]).expect_code(2);
+    assert!(refused.stderr.contains("none.asc"), "{}", refused.stderr);
+    for (wrong, expected) in [
+        ("--set=wind.0.from=fuel.toml", "fuel.toml"),
+        ("--set=wind.0.toward=from.asc", "expected `speed` and `from`, `speed` and `toward`, or `east` and `north`"),
+        ("--set=wind.0.speed_mps=3", "expected no `speed_mps`"),
+    ] {
+        let refused = story.tell(&["check", "local.toml", wrong]).expect_code(2).stderr;
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
+fn fires_that_exist_begin_as_perimeters_and_stop_at_barriers() {
+    let square = |west: u32, south: u32, east: u32, north: u32| {
+        format!("[[{west}, {south}], [{east}, {south}], [{east}, {north}], [{west}, {north}], [{west}, {south}]]")
+    };
+    let polygon = |rings: &str| format!("{{\"type\": \"Polygon\", \"coordinates\": [{rings}]}}");
+    let rest = "[[ignition]]\nat_s = 60\nperimeter = \"fire.geojson\"\n[[barrier]]\nfile = \"line.geojson\"\n";
+    let story = local_story(rest);
+    story.file("fire.geojson", &polygon(&square(1100, 2100, 1160, 2160)));
+    story.file("line.geojson", "{\"type\": \"LineString\", \"coordinates\": [[1210, 2000], [1210, 2399]]}");
+    story.tell(&["run", "local.toml", "--out", "local.wildfire"]).expect_code(0);
+    story.tell(&["audit", "local.wildfire"]).expect_code(0);
+    story.tell(&["map-of", "local.wildfire", "--arrival", "--asc", "times.asc"]).expect_code(0);
+    let times: Vec<f64> = story
+        .read("times.asc")
+        .lines()
+        .skip(6)
+        .flat_map(str::split_whitespace)
+        .map(|it| it.parse().expect("one"))
+        .collect();
+    assert_eq!(times.iter().filter(|&&time| time == 60.0).count(), 9, "three by three cells burn from then on");
+    let is_burned: Vec<bool> = times.iter().map(|&time| time > 60.0).collect();
+    let [west, east] =
+        [0..10, 10..20].map(|cols| (0..400).filter(|index| is_burned[*index] && cols.contains(&(index % 20))).count());
+    assert!(west > 20 && east == 0, "{west} cells burn west of the line, {east} beyond it");
+    story.tell(&["batch", "local.toml", "--seeds", "1..2", "--record", "all", "--out", "fires"]).expect_code(0);
+    let table = story.read("fires/runs.csv");
+    assert!(table.contains("contained_at_s,contained_ha,escaped"), "{table}");
+    story.tell(&["map-of", "fires", "--flame-class", "1", "--asc", "class.asc"]).expect_code(0);
+    for (file, shape, expected) in [
+        ("fire.geojson", polygon(&square(0, 0, 60, 60)), "fire.geojson: its polygons reach from (0, 0) to (60, 60)"),
+        (
+            "fire.geojson",
+            polygon("[[1100, 2100], [1160, 2160], [1160, 2100], [1100, 2160], [1100, 2100]]"),
+            "fire.geojson: a ring crosses itself at (1130, 2130)",
+        ),
+        ("fire.geojson", "{\"type\": \"Polygon\"".to_owned(), "fire.geojson:1:"),
+        ("line.geojson", "{\"type\": \"Point\", \"coordinates\": [0, 0]}".to_owned(), "line.geojson: it has no line"),
+    ] {
+        let before = story.read(file);
+        story.file(file, &shape);
+        let refused = story.tell(&["check", "local.toml"]).expect_code(2).stderr;
+        assert!(refused.contains(expected), "{refused}");
+        story.file(file, &before);
+    }
+    let refused =
+        story.tell(&["check", "local.toml", "--set=ignition.0={at_s=0,points_m=[[0,0]]}"]).expect_code(2).stderr;
+    assert!(refused.contains("there is no cell at (0, 0)"), "{refused}");
+}

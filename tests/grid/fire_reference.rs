@@ -177,7 +177,7 @@ fn rounded_models(folder: &Path) -> Vec<FuelModel> {
         depth_ft: row.get("depth_ft"),
         dead_extinction: row.get("mx_dead"),
         heat_btu_lb: row.get("heat_btu_lb"),
-        ..*row.model()
+        ..row.model().clone()
     };
     table.rows().map(model).collect()
 }

@@ -100,7 +100,7 @@ fn patchwork(frame: FieldFrame, seed: u64, relief: Relief) -> Landscape {
         let Cell { col, row } = frame.cell(index);
         patches[usize::from(col / 4) + 100 * usize::from(row / 4)]
     });
-    Landscape { frame, fuel: fuel.collect(), relief, canopy: None }
+    Landscape { fuel: fuel.collect(), relief, ..Landscape::uniform(frame, 0) }
 }
 
 fn waves(frame: FieldFrame) -> Relief {

@@ -9,6 +9,8 @@
 //!   its part of the length. What cannot burn blocks it, and so do two such cells at a corner that it goes through.
 //! - Between two neighbours whose directions are next to each other time is taken to be linear. The least of its value and
 //!   of the way from there is on the wave through both, at right angles to it in the metric of the ellipse.
+//! - Where only the wind differs from place to place, a line of up to three columns and rows over one fuel takes the mean of the
+//!   times that the weather at its two ends gives.
 //! - A cell that did not catch fire from another one sends fire straight to all cells within three, over one fuel.
 //! - Over a cell that is wet, or was put out and may burn again, a way begins when that is over, and only if the cell
 //!   where it begins flames still; it takes no part in what comes from between.
@@ -31,6 +33,9 @@ use crate::crown::{self, UnderCanopy};
 pub const NEVER: u64 = u64::MAX;
 
 const NANOS: f64 = 1e9;
+
+/// The longest line, in columns or rows, for which its ends stand.
+const MAX_SMOOTH: i32 = 3;
 
 /// Ellipses that are kept at least, where every cell has its own.
 const MIN_KEPT: usize = 1 << 12;
@@ -275,7 +280,7 @@ pub struct Arrivals<'a> {
     landscape: &'a Landscape,
     weather: &'a Weather,
     rules: RothermelRules,
-    models: Vec<&'static FuelModel>,
+    models: Vec<FuelModel>,
     /// By cell index: the place of its fuel among the models.
     fuel: Vec<Option<u8>>,
     /// By cell index: whether all cells in reach have its fuel.
@@ -292,6 +297,8 @@ pub struct Arrivals<'a> {
     crown_beds: Vec<FuelBed>,
     /// On a plane without trees: by interval, fuel and line, the disc after the others.
     plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
+    /// Whether only the wind differs from place to place: on a plane without trees.
+    is_smooth: bool,
     /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
     kept: Vec<(u64, Ellipse)>,
 }
@@ -300,10 +307,7 @@ impl<'a> Arrivals<'a> {
     pub fn new(landscape: &'a Landscape, weather: &'a Weather, rules: RothermelRules) -> Self {
         let frame = landscape.frame;
         // Tables are by the fuels of this field, not by all 256 numbers: there is one per interval.
-        let mut is_there = [false; 256];
-        landscape.fuel.iter().for_each(|&number| is_there[usize::from(number)] = true);
-        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
-        let models: Vec<_> = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let models = landscape.burning_models();
         let places: Vec<Option<u8>> = (0..=u8::MAX)
             .map(|number| models.iter().position(|model| model.number == number).map(|place| place as u8))
             .collect();
@@ -332,11 +336,12 @@ impl<'a> Arrivals<'a> {
             beds,
             crown_beds: with_trees.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect(),
             plane: Vec::new(),
+            is_smooth: weather.is_local() && matches!(landscape.relief, Relief::Plane(_)) && !has_trees,
             kept: Vec::new(),
         };
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
-        // Trees differ from cell to cell, so no table by fuel holds on a plane with them.
-        let plane = plane.filter(|_| !has_trees);
+        // Trees and winds by place differ from cell to cell, so no table by fuel holds on a plane with them.
+        let plane = plane.filter(|_| !has_trees && !weather.is_local());
         if plane.is_none() {
             // A power of two, so that a place is found by masking.
             let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
@@ -357,7 +362,7 @@ impl<'a> Arrivals<'a> {
             let ellipses: Vec<Ellipse> = match plane {
                 _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
-                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, gradient)).collect()
+                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, 0, gradient)).collect()
                 }
                 // On relief each cell has its own ellipse; a sample decides which directions are worth a line.
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
@@ -403,7 +408,7 @@ impl<'a> Arrivals<'a> {
 
     fn on_plane(&self, gradient: DVec2) -> Vec<Vec<(Ellipse, Vec<f64>)>> {
         let of_fuel = |interval: usize, fuel: usize| {
-            let ellipse = self.new_ellipse(interval, fuel, gradient);
+            let ellipse = self.new_ellipse(interval, fuel, 0, gradient);
             let seconds = self.lines.iter().chain(&self.disc).map(|line| ellipse.travel_s(line.v)).collect();
             (ellipse, seconds)
         };
@@ -412,8 +417,9 @@ impl<'a> Arrivals<'a> {
             .collect()
     }
 
-    fn new_ellipse(&self, interval: usize, fuel: usize, gradient: DVec2) -> Ellipse {
-        let wind_mps = self.weather.intervals()[interval].wind_mps;
+    /// Computes the ellipse of a fuel in the weather of a cell; which one does not matter on a plane.
+    fn new_ellipse(&self, interval: usize, fuel: usize, index: usize, gradient: DVec2) -> Ellipse {
+        let wind_mps = self.weather.in_cell(interval, index).wind_mps;
         let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(self.models[fuel].depth_ft) * wind_mps;
         self.beds[interval][fuel].behavior(midflame, gradient, &self.rules.options).ellipse()
     }
@@ -424,7 +430,7 @@ impl<'a> Arrivals<'a> {
             ground: &self.beds[interval][fuel],
             depth_ft: self.models[fuel].depth_ft,
             model_10: self.crown_beds.get(interval)?,
-            wind_10m_mps: self.weather.intervals()[interval].wind_mps,
+            wind_10m_mps: self.weather.in_cell(interval, self.frame.index(cell)).wind_mps,
             gradient,
         };
         Some(crown::ellipse(&self.landscape.canopy(cell)?, &below, &self.rules.options, self.rules.crowns?))
@@ -442,7 +448,7 @@ impl<'a> Arrivals<'a> {
             let cell = self.frame.cell(index);
             let gradient = self.landscape.gradient(cell);
             let below_trees = self.below_trees(interval, fuel, cell, gradient);
-            let ellipse = below_trees.unwrap_or_else(|| self.new_ellipse(interval, fuel, gradient));
+            let ellipse = below_trees.unwrap_or_else(|| self.new_ellipse(interval, fuel, index, gradient));
             self.kept[place] = (key, ellipse);
         }
         self.kept[place].1
@@ -629,6 +635,13 @@ impl<'a> Arrivals<'a> {
         {
             let fuel = self.fuel[self.frame.index(cell)].expect("fire comes only where there is fuel");
             return table[usize::from(fuel)].1[number];
+        }
+        let line = self.line(number);
+        // Where only the wind differs from place to place, the two ends of a short line stand for all of it.
+        if self.is_smooth && is_one_fuel && line.cols.abs().max(line.rows.abs()) <= MAX_SMOOTH {
+            let v = line.v;
+            let ends = [self.near(cell, (line.cols, line.rows)), self.frame.index(cell)];
+            return ends.into_iter().map(|index| self.ellipse(interval, index).travel_s(v)).sum::<f64>() / 2.0;
         }
         let mut seconds = 0.0;
         for place in 0..self.line(number).crossed.len() {

@@ -87,7 +87,8 @@ impl Automaton<'_> {
     fn succeeds(&self, from: Cell, episode: u32, direction: u32, to: Cell, time: SimTime) -> bool {
         let way = self.setting.frame.centre(to) - self.setting.frame.centre(from);
         let metres = (way.x * way.x + way.y * way.y).sqrt();
-        let wind = self.rules.wind_factor(self.weather.at(time).wind_mps, way / metres);
+        let wind =
+            self.rules.wind_factor(self.weather.at_cell(time, self.landscape.frame.index(from)).wind_mps, way / metres);
         let slope = self.rules.slope_factor(self.rise_m(from, to, way), metres);
         self.chance.uniform(from, episode, direction) < self.rules.probability(wind, slope)
     }

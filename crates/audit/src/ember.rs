@@ -12,7 +12,6 @@ use super::{Violation, ViolationKind};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::embers::{EmberSource, Embers};
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
 use wildfire_fire::surface::{FuelBed, twenty_foot_wind, unsheltered_adjustment};
 use wildfire_fire::{Landscape, Weather};
@@ -71,8 +70,8 @@ fn ember_source(
     episode: u32,
 ) -> Option<EmberSource> {
     let &Change { time, cell, .. } = change;
-    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
-    let interval = weather.at(time);
+    let model = landscape.burning_model(cell)?;
+    let interval = weather.at_cell(time, landscape.frame.index(cell));
     let bed = FuelBed::new(model, &interval.moisture, rules.options.curing);
     let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * interval.wind_mps;
     let fire = bed.behavior(midflame, landscape.gradient(cell), &rules.options);

@@ -365,6 +365,7 @@ mod tests {
     use wildfire_fire::surface::{FuelMoisture, WindLimit};
     use wildfire_fire::{
         CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
+        WindField,
     };
     use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules};
 
@@ -388,7 +389,7 @@ mod tests {
             }
         };
         let mut landscape =
-            Landscape { frame: FRAME, fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief, canopy: None };
+            Landscape { fuel: (0..FRAME.cell_count()).map(fuel).collect(), relief, ..Landscape::uniform(FRAME, 0) };
         let bushes: Vec<Cell> = (0..FRAME.cell_count()).step_by(37).map(|index| FRAME.cell(index)).collect();
         bushes.iter().for_each(|&bush| landscape.fuel[FRAME.index(bush)] = 142);
         let weather = (0..6).map(|hour| WeatherInterval {
@@ -457,6 +458,43 @@ mod tests {
                 assert_eq!(audit_spread(&timeline), Ok(()));
                 let other = Timeline { setting: bare, ..timeline };
                 assert!(audit_spread(&other).is_err());
+            }
+        }
+    }
+
+    /// The same with a wind of its own in every cell of some intervals.
+    fn with_local_wind(mut setting: Setting) -> Setting {
+        if let Some(SpreadSetting::Rothermel { weather, .. }) = &mut setting.spread {
+            let mut fields = Vec::new();
+            for (number, interval) in weather.intervals().iter().enumerate() {
+                let winds = (0..FRAME.cell_count()).map(|index| {
+                    let Cell { col, row } = FRAME.cell(index);
+                    interval.wind_mps + DVec2::new(f64::from(row), -f64::from(col)) / 15.0
+                });
+                fields.push((number != 2).then(|| Arc::new(WindField::new(winds))));
+            }
+            *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
+        }
+        setting
+    }
+
+    #[test]
+    fn fires_in_wind_by_place_are_accepted_and_those_of_other_winds_are_not() {
+        for relief in [Relief::FLAT, Relief::Plane(DVec2::new(0.3, -0.2)), hill()] {
+            for neighbours in [Neighbours::ThirtyTwo, Neighbours::Eight] {
+                let uniform = setting(relief.clone(), neighbours, true);
+                let trees = with_trees(uniform.clone(), CrownMethod::ScottReinhardt);
+                for uniform in [uniform, trees] {
+                    let timeline = burn(with_local_wind(uniform.clone()), acts());
+                    assert!(timeline.ground.len() > 300, "{}", timeline.ground.len());
+                    assert_eq!(audit_spread(&timeline), Ok(()));
+                    assert!(audit_spread(&Timeline { setting: uniform, ..timeline }).is_err());
+                }
+                let mut spotted = setting(relief.clone(), neighbours, false);
+                let Some(SpreadSetting::Rothermel { rules, .. }) = &mut spotted.spread else { unreachable!() };
+                let settings = EmberSettings { per_mj: 0.02, i_min_kw_m: 50.0, p_ign: 1.0, ..EmberSettings::default() };
+                rules.embers = Some(Embers { settings, seed: spotted.seed });
+                assert_eq!(audit_spread(&burn(with_local_wind(spotted), acts())), Ok(()));
             }
         }
     }

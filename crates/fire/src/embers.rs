@@ -13,7 +13,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::chance::{Chance, normal, poisson};
-use super::fuel::FuelModel;
 use super::{Landscape, Weather};
 use wildfire_base::geometry::{Cell, DVec2, ops};
 use wildfire_base::ranges;
@@ -108,7 +107,7 @@ impl Embers {
         let EmberSettings { per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, delay_s, .. } = self.settings;
         let EmberSource { cell, episode, time, intensity_kw_m, heat_kj_m2 } = *source;
         let frame = &landscape.frame;
-        let wind = weather.at(time).wind_mps;
+        let wind = weather.at_cell(time, frame.index(cell)).wind_mps;
         let speed = ops::hypot(wind.x, wind.y);
         if speed == 0.0 || intensity_kw_m < i_min_kw_m {
             return Vec::new();
@@ -145,8 +144,8 @@ impl Embers {
     }
 
     fn ignition_probability(&self, cell: Cell, time: SimTime, landscape: &Landscape, weather: &Weather) -> f64 {
-        let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns());
-        let moisture = weather.at(time).moisture.d1;
+        let model = landscape.burning_model(cell);
+        let moisture = weather.at_cell(time, landscape.frame.index(cell)).moisture.d1;
         model.map_or(0.0, |model| self.settings.p_ign * (1.0 - moisture / model.dead_extinction).max(0.0))
     }
 }

@@ -8,20 +8,34 @@
 //! Btu/lb. Anderson's loads are given in lb/ft2; those of Scott and Burgan, in short tons per acre, are converted exactly,
 //! as tables in lb/ft2 are rounded, which changes rates by up to 3 % near extinction.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
 /// One ton (2000 lb) per acre (43560 ft2), in lb/ft2.
-const TON_PER_ACRE: f64 = 2000.0 / 43560.0;
+pub const TON_PER_ACRE: f64 = 2000.0 / 43560.0;
 
 /// Surface-area-to-volume ratios of 10-h and 100-h fuel, the same in all models.
-const SAV_10H: f64 = 109.0;
-const SAV_100H: f64 = 30.0;
+pub const SAV_10H: f64 = 109.0;
+pub const SAV_100H: f64 = 30.0;
+
+/// The numbers that files give to custom fuel models.
+pub const CUSTOM_NUMBERS: &str = "14 to 89 or 257 to 307";
+
+/// The first number of files beyond those of one byte, and the number that stands for it in landscapes.
+const FIRST_LONG_NUMBER: u16 = 257;
+const FIRST_LONG_STORED: u8 = 205;
 
 /// A fuel model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FuelModel {
-    /// As in rasters of landscapes: 1 to 13, 91 to 99, 101 to 204.
+    /// As landscapes store it: 1 to 13, 91 to 99, 101 to 204; custom ones have 14 to 89, and 205 to 255 for what files call
+    /// 257 to 307.
     pub number: u8,
-    pub code: &'static str,
-    pub name: &'static str,
+    pub code: Cow<'static, str>,
+    pub name: Cow<'static, str>,
     /// Loads in lb/ft2: dead 1-h, 10-h and 100-h, live herbaceous, live woody.
     pub loads: [f64; 5],
     /// Surface-area-to-volume ratios of the same, in 1/ft.
@@ -29,7 +43,59 @@ pub struct FuelModel {
     pub depth_ft: f64,
     /// Moisture, as a fraction, above which the dead fuel alone does not burn.
     pub dead_extinction: f64,
+    /// Heat content of dead and of live fuel.
     pub heat_btu_lb: f64,
+    pub live_heat_btu_lb: f64,
+    /// Whether live grass counts as dead when its moisture is low.
+    pub cures: bool,
+}
+
+/// Returns the number that landscapes store for the number of a custom fuel model in a file; `None` if it is none.
+pub fn custom_number(written: u32) -> Option<u8> {
+    let last_long = u32::from(FIRST_LONG_NUMBER) + u32::from(u8::MAX - FIRST_LONG_STORED);
+    match written {
+        14..=89 => Some(written as u8),
+        _ if (FIRST_LONG_NUMBER.into()..=last_long).contains(&written) => {
+            Some((written - u32::from(FIRST_LONG_NUMBER)) as u8 + FIRST_LONG_STORED)
+        }
+        _ => None,
+    }
+}
+
+/// Returns the number that files have for a number of landscapes.
+pub fn written_number(number: u8) -> u16 {
+    number.checked_sub(FIRST_LONG_STORED).map_or(number.into(), |above| FIRST_LONG_NUMBER + u16::from(above))
+}
+
+/// The custom fuel models of a landscape, beside the built-in ones.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CustomFuels(Arc<[FuelModel]>);
+
+impl CustomFuels {
+    /// Creates the set of these models.
+    ///
+    /// # Errors
+    /// Returns a sentence on the first model that has a wrong number or one that another has, or an impossible value.
+    pub fn new(mut models: Vec<FuelModel>) -> Result<Self, String> {
+        models.sort_by_key(|model| model.number);
+        for model in &models {
+            model.check_custom()?;
+        }
+        match models.windows(2).find(|pair| pair[0].number == pair[1].number) {
+            Some(pair) => Err(format!("there are two fuel models {}", written_number(pair[0].number))),
+            None => Ok(Self(models.into())),
+        }
+    }
+
+    pub fn models(&self) -> &[FuelModel] {
+        &self.0
+    }
+
+    /// Returns the model of a number, a built-in one or one of these; `None` if there is none.
+    pub fn model(&self, number: u8) -> Option<&FuelModel> {
+        let is_built_in = FuelModel::by_number(number);
+        is_built_in.or_else(|| self.0.iter().find(|model| model.number == number))
+    }
 }
 
 impl FuelModel {
@@ -70,7 +136,57 @@ impl FuelModel {
 
     /// Says whether part of the live herbaceous load counts as dead when its moisture is low.
     pub fn is_dynamic(&self) -> bool {
-        self.number > 100 && self.loads[3] > 0.0
+        self.cures && self.loads[3] > 0.0
+    }
+
+    /// Refuses a custom model that the equations cannot take.
+    fn check_custom(&self) -> Result<(), String> {
+        /// The densest bed, as the share of it that is wood.
+        const MAX_PACKING: f64 = 0.5;
+        let number = written_number(self.number);
+        if custom_number(number.into()) != Some(self.number) {
+            return Err(format!(
+                "fuel model {number}: its number is that of no custom model; expected {CUSTOM_NUMBERS}"
+            ));
+        }
+        let [dead, dead_10h, dead_100h, herb, woody] = self.loads;
+        let [sav, _, _, sav_herb, sav_woody] = self.savs;
+        let mut values = vec![
+            ("1-h load in lb/ft2", dead, 0.0, 5.0),
+            ("10-h load in lb/ft2", dead_10h, 0.0, 5.0),
+            ("100-h load in lb/ft2", dead_100h, 0.0, 5.0),
+            ("herbaceous load in lb/ft2", herb, 0.0, 5.0),
+            ("woody load in lb/ft2", woody, 0.0, 5.0),
+            ("depth in ft", self.depth_ft, 0.01, 30.0),
+            ("moisture of extinction as a fraction", self.dead_extinction, 0.05, 4.0),
+            ("heat content of dead fuel in Btu/lb", self.heat_btu_lb, 4000.0, 16_000.0),
+            ("heat content of live fuel in Btu/lb", self.live_heat_btu_lb, 4000.0, 16_000.0),
+        ];
+        for (name, load, sav) in [
+            ("ratio of surface to volume of 1-h fuel in 1/ft", dead, sav),
+            ("ratio of surface to volume of herbaceous fuel in 1/ft", herb, sav_herb),
+            ("ratio of surface to volume of woody fuel in 1/ft", woody, sav_woody),
+        ] {
+            // Without load a ratio means nothing, and files fill it in with all kinds of numbers.
+            values.extend((load > 0.0).then_some((name, sav, 50.0, 6000.0)));
+        }
+        for (name, found, min, max) in values {
+            if !(min..=max).contains(&found) {
+                return Err(format!("fuel model {number}: its {name} is {found}; expected {min} to {max}"));
+            }
+        }
+        let load: f64 = self.loads.iter().sum();
+        if load == 0.0 {
+            return Err(format!("fuel model {number}: it has no load; expected some that burns"));
+        }
+        let packing = load / self.depth_ft / 32.0;
+        if packing > MAX_PACKING {
+            return Err(format!(
+                "fuel model {number}: wood fills {:.0} % of its bed; expected at most 50 %, by less load or more depth",
+                100.0 * packing
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -83,7 +199,20 @@ const fn anderson(
 ) -> FuelModel {
     let savs = [sav_1h, SAV_10H, SAV_100H, sav_herb, sav_woody];
     let dead_extinction = extinction_percent / 100.0;
-    FuelModel { number, code, name, loads, savs, depth_ft, dead_extinction, heat_btu_lb: 8000.0 }
+    // GR6 is the one whose heat content differs, and only models of Scott and Burgan cure.
+    let heat_btu_lb = if number == 106 { 9000.0 } else { 8000.0 };
+    FuelModel {
+        number,
+        code: Cow::Borrowed(code),
+        name: Cow::Borrowed(name),
+        loads,
+        savs,
+        depth_ft,
+        dead_extinction,
+        heat_btu_lb,
+        live_heat_btu_lb: heat_btu_lb,
+        cures: number > 100,
+    }
 }
 
 const fn scott_burgan(
@@ -99,9 +228,7 @@ const fn scott_burgan(
         loads[class] *= TON_PER_ACRE;
         class += 1;
     }
-    let model = anderson(number, names, loads, savs, bed);
-    // GR6 is the one whose heat content differs.
-    if number == 106 { FuelModel { heat_btu_lb: 9000.0, ..model } } else { model }
+    anderson(number, names, loads, savs, bed)
 }
 
 const fn no_fuel(number: u8, names: [&'static str; 2]) -> FuelModel {
@@ -113,7 +240,7 @@ const fn no_fuel(number: u8, names: [&'static str; 2]) -> FuelModel {
 /// The columns of a row: number, code and name; loads; ratios of 1-h, live herbaceous and live woody fuel; depth and
 /// extinction in percent.
 #[rustfmt::skip]
-pub const FUEL_MODELS: [FuelModel; 58] = [
+pub static FUEL_MODELS: [FuelModel; 58] = [
     anderson(1, ["R01", "Short grass"], [0.034, 0.0, 0.0, 0.0, 0.0], [3500.0, 0.0, 0.0], [1.0, 12.0]),
     anderson(2, ["R02", "Timber grass and understory"], [0.092, 0.046, 0.023, 0.023, 0.0], [3000.0, 1500.0, 0.0], [1.0, 15.0]),
     anderson(3, ["R03", "Tall grass"], [0.138, 0.0, 0.0, 0.0, 0.0], [1500.0, 0.0, 0.0], [2.5, 25.0]),
@@ -183,7 +310,7 @@ mod tests {
         for model in &FUEL_MODELS {
             for found in [
                 FuelModel::by_number(model.number),
-                FuelModel::by_name(model.code),
+                FuelModel::by_name(&model.code),
                 FuelModel::by_name(&model.code.to_lowercase()),
                 FuelModel::by_name(&model.number.to_string()),
             ] {
@@ -197,13 +324,40 @@ mod tests {
 
     #[test]
     fn names_that_no_model_has_are_near_to_others() {
-        let codes = |name| FuelModel::nearest(name).iter().map(|model| model.code).collect::<Vec<_>>();
+        let codes = |name| FuelModel::nearest(name).iter().map(|model| &*model.code).collect::<Vec<_>>();
         assert_eq!((codes("14"), codes("100")), (vec!["R13", "NB1"], vec!["NB9", "GR1"]));
         assert_eq!((codes("-5"), codes("99999")), (vec!["R01"], vec!["SB4"]));
         assert_eq!((codes("gr10"), codes("SH"), codes("R00")), (vec!["GR9"], vec!["SH1"], vec!["R01"]));
         for name in ["", "XX1", "grass", "ä", "GR2x"] {
             assert_eq!(codes(name), [""; 0], "{name}");
         }
+    }
+
+    #[test]
+    fn custom_models_have_their_numbers_and_possible_values() {
+        let gr2 = FuelModel { number: 14, ..FuelModel::by_number(102).expect("it is one").clone() };
+        let long = FuelModel { number: 255, ..gr2.clone() };
+        let fuels = CustomFuels::new(vec![long.clone(), gr2.clone()]).expect("both are right");
+        assert_eq!((fuels.model(255), fuels.model(14), fuels.model(15)), (Some(&long), Some(&gr2), None));
+        assert_eq!(fuels.model(102), FuelModel::by_number(102));
+        for written in (0..400).filter(|&written| custom_number(written).is_some()) {
+            let number = custom_number(written).expect("it was found");
+            assert!(u32::from(written_number(number)) == written && FuelModel::by_number(number).is_none());
+        }
+        assert_eq!([13, 90, 256, 308].map(custom_number), [None; 4]);
+        for (wrong, expected) in [
+            (FuelModel { number: 102, ..gr2.clone() }, "fuel model 102: its number"),
+            (FuelModel { number: 90, ..gr2.clone() }, "fuel model 90: its number"),
+            (FuelModel { depth_ft: 0.0, ..gr2.clone() }, "fuel model 14: its depth in ft is 0; expected 0.01 to 30"),
+            (FuelModel { depth_ft: f64::NAN, ..gr2.clone() }, "its depth in ft is NaN"),
+            (FuelModel { loads: [0.0; 5], ..gr2.clone() }, "it has no load"),
+            (FuelModel { savs: [0.0; 5], ..gr2.clone() }, "ratio of surface to volume of 1-h fuel in 1/ft is 0"),
+            (FuelModel { loads: [4.0; 5], depth_ft: 1.0, savs: [2000.0; 5], ..gr2.clone() }, "wood fills 62 %"),
+        ] {
+            let error = CustomFuels::new(vec![wrong]).expect_err(expected);
+            assert!(error.contains(expected), "{error}");
+        }
+        assert_eq!(CustomFuels::new(vec![gr2.clone(), gr2]), Err("there are two fuel models 14".into()));
     }
 
     #[test]

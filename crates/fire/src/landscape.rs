@@ -4,6 +4,7 @@
 //! and points uphill. Gradients from elevations are those of Horn 1981, "Hill shading and the reflectance map": the
 //! differences of three rows (columns) with weights 1, 2, 1, one-sided at the border.
 
+use crate::fuel::{CustomFuels, FuelModel};
 use crate::surface::crown::Canopy;
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 
@@ -16,6 +17,8 @@ pub struct Landscape {
     pub relief: Relief,
     /// Trees above the fuel on the ground, where any are given.
     pub canopy: Option<CanopyLayers>,
+    /// The models of numbers that no built-in one has.
+    pub custom_fuels: CustomFuels,
 }
 
 /// Trees by cell index, in the units of LANDFIRE's layers CH, CBH, CBD and CC: the heights of the trees and of the
@@ -65,12 +68,36 @@ impl Relief {
 impl Landscape {
     /// Creates flat ground with one fuel everywhere.
     pub fn uniform(frame: FieldFrame, fuel: u8) -> Self {
-        Self { frame, fuel: vec![fuel; frame.cell_count()], relief: Relief::FLAT, canopy: None }
+        let fuel = vec![fuel; frame.cell_count()];
+        Self { frame, fuel, relief: Relief::FLAT, canopy: None, custom_fuels: CustomFuels::default() }
     }
 
     /// Returns the number of the fuel model of a cell.
     pub fn fuel_number(&self, cell: Cell) -> u8 {
         self.fuel[self.frame.index(cell)]
+    }
+
+    /// Returns the fuel model of a number, `None` if there is none.
+    pub fn fuel_model(&self, number: u8) -> Option<&FuelModel> {
+        self.custom_fuels.model(number)
+    }
+
+    /// Returns the fuel model of a cell, `None` where nothing burns.
+    pub fn burning_model(&self, cell: Cell) -> Option<&FuelModel> {
+        self.fuel_model(self.fuel_number(cell)).filter(|model| model.burns())
+    }
+
+    /// Says of every number whether its fuel model burns.
+    pub fn burning_numbers(&self) -> Vec<bool> {
+        (0..=u8::MAX).map(|number| self.fuel_model(number).is_some_and(FuelModel::burns)).collect()
+    }
+
+    /// Returns the models of this landscape that burn, by number.
+    pub fn burning_models(&self) -> Vec<FuelModel> {
+        let mut is_there = [false; 256];
+        self.fuel.iter().for_each(|&number| is_there[usize::from(number)] = true);
+        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
+        numbers.filter_map(|number| self.fuel_model(number)).filter(|model| model.burns()).cloned().collect()
     }
 
     /// Returns the trees of a cell; `None` where there are none.

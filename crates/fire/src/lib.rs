@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 pub use field::{BushState, BushStateKind, FireField};
 pub use landscape::{CanopyLayers, Landscape, Relief};
-pub use weather::{Weather, WeatherInterval, WeatherTableError};
+pub use weather::{Weather, WeatherInterval, WeatherTableError, WindField};
 
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;

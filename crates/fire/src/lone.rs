@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::fuel::FuelModel;
 use super::models::{Rothermel, RothermelRules};
 use super::surface::crown::FireType;
 use super::{FireField, Landscape, Spread, Weather};
@@ -40,8 +39,7 @@ impl LoneFire {
         ignitions: &[(SimTime, Cell)],
     ) -> Self {
         let frame = landscape.frame;
-        let burns: Vec<bool> =
-            (0..=u8::MAX).map(|number| FuelModel::by_number(number).is_some_and(FuelModel::burns)).collect();
+        let burns = landscape.burning_numbers();
         let fuels = landscape.fuel.iter().enumerate().filter(|&(_, &fuel)| burns[usize::from(fuel)]);
         let fires = FireField::new(frame, &[], false).with_ground(fuels.map(|(index, _)| frame.cell(index)));
         let mut ignitions = ignitions.to_vec();

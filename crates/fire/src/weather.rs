@@ -1,6 +1,7 @@
 //! Wind and moisture in the course of a run: a table of intervals, known in advance.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::surface::FuelMoisture;
 use wildfire_base::geometry::DVec2;
@@ -11,6 +12,49 @@ use wildfire_base::time::SimTime;
 pub struct Weather {
     /// The first begins at zero, the others later and later; the last goes on forever.
     intervals: Vec<WeatherInterval>,
+    /// By interval, the wind of each cell where it is not everywhere the same; empty if it always is.
+    wind_fields: Vec<Option<Arc<WindField>>>,
+}
+
+/// Wind at 10 m by cell index, in whole hundredths of m/s, so that every machine and recording has the same bits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WindField {
+    /// Where the wind blows to.
+    pub east: Vec<i16>,
+    pub north: Vec<i16>,
+}
+
+impl WindField {
+    /// Parts of a metre per second that are stored.
+    const PARTS: f64 = 100.0;
+
+    /// Creates the field of these winds in m/s, by cell index.
+    pub fn new(winds: impl Iterator<Item = DVec2>) -> Self {
+        let parts = winds.map(|wind| (wind * Self::PARTS).round());
+        let (east, north) = parts.map(|wind| (wind.x as i16, wind.y as i16)).unzip();
+        Self { east, north }
+    }
+
+    /// Returns the wind of a cell in m/s.
+    #[inline]
+    pub fn at(&self, index: usize) -> DVec2 {
+        DVec2::new(f64::from(self.east[index]), f64::from(self.north[index])) / Self::PARTS
+    }
+
+    /// Returns the mean of all cells in m/s.
+    pub fn mean(&self) -> DVec2 {
+        // Whole numbers add up without rounding, in any order.
+        let [east, north] =
+            [&self.east, &self.north].map(|parts| parts.iter().map(|&part| i64::from(part)).sum::<i64>());
+        DVec2::new(east as f64, north as f64) / (Self::PARTS * self.east.len().max(1) as f64)
+    }
+
+    /// Returns the least and the greatest speed in m/s.
+    pub fn speeds(&self) -> [f64; 2] {
+        let squares = (0..self.east.len()).map(|index| self.at(index).length_squared());
+        let [min, max] = squares.fold([f64::INFINITY, 0.0], |[min, max], square| [square.min(min), square.max(max)]);
+        [min.sqrt(), max.sqrt()]
+    }
 }
 
 /// The weather from one time on.
@@ -68,12 +112,50 @@ impl Weather {
             let (from, before, interval) = (intervals[before + 1].from, intervals[before].from, before + 1);
             return Err(WeatherTableError::OutOfOrder { interval, from, before });
         }
-        Ok(Self { intervals })
+        Ok(Self { intervals, wind_fields: Vec::new() })
+    }
+
+    /// Adds the wind by place of each interval that has one, in their order; the intervals' own winds are then only shown.
+    #[must_use]
+    pub fn with_wind_fields(self, fields: Vec<Option<Arc<WindField>>>) -> Self {
+        assert_eq!(fields.len(), self.intervals.len(), "one place for each interval");
+        let wind_fields = if fields.iter().any(Option::is_some) { fields } else { Vec::new() };
+        Self { wind_fields, ..self }
+    }
+
+    /// Returns the wind by place of each interval; empty if wind is everywhere the same.
+    pub fn wind_fields(&self) -> &[Option<Arc<WindField>>] {
+        &self.wind_fields
+    }
+
+    /// Returns the wind by place in an interval; `None` if it is everywhere the same.
+    pub fn wind_field(&self, interval: usize) -> Option<&WindField> {
+        self.wind_fields.get(interval)?.as_deref()
+    }
+
+    /// Says whether weather differs from place to place.
+    pub fn is_local(&self) -> bool {
+        !self.wind_fields.is_empty()
+    }
+
+    /// Returns the weather of a cell in an interval.
+    #[inline]
+    pub fn in_cell(&self, interval: usize, index: usize) -> WeatherInterval {
+        let mut weather = self.intervals[interval];
+        if let Some(field) = self.wind_field(interval) {
+            weather.wind_mps = field.at(index);
+        }
+        weather
+    }
+
+    /// Returns the weather of a cell at a time.
+    pub fn at_cell(&self, time: SimTime, index: usize) -> WeatherInterval {
+        self.in_cell(self.interval_at(time), index)
     }
 
     /// Creates weather that never changes.
     pub fn constant(wind_mps: DVec2, moisture: FuelMoisture) -> Self {
-        Self { intervals: vec![WeatherInterval { from: SimTime::ZERO, wind_mps, moisture }] }
+        Self { intervals: vec![WeatherInterval { from: SimTime::ZERO, wind_mps, moisture }], wind_fields: Vec::new() }
     }
 
     /// Returns the intervals, ascending in time.
@@ -106,6 +188,20 @@ mod tests {
         let weather = Weather::new(vec![interval(0.0, 1.0), interval(60.0, 2.0)]).expect("it is in order");
         let wind = |seconds| weather.at(SimTime::from_seconds(seconds)).wind_mps.x;
         assert_eq!([wind(0.0), wind(59.9), wind(60.0), wind(1e6)], [1.0, 1.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn wind_by_place_is_that_of_its_interval_and_cell() {
+        let field = WindField::new([DVec2::new(3.004, -1.5), DVec2::new(-4.0, 0.25)].into_iter());
+        assert_eq!((field.at(0), field.at(1)), (DVec2::new(3.0, -1.5), DVec2::new(-4.0, 0.25)));
+        assert_eq!((field.mean(), field.speeds()[1]), (DVec2::new(-0.5, -0.625), DVec2::new(-4.0, 0.25).length()));
+        let weather = Weather::new(vec![interval(0.0, 1.0), interval(60.0, 2.0)]).expect("it is in order");
+        let same = weather.clone().with_wind_fields(vec![None, None]);
+        assert!(!same.is_local() && same == weather);
+        let local = weather.with_wind_fields(vec![None, Some(Arc::new(field))]);
+        let wind = |seconds, index| local.at_cell(SimTime::from_seconds(seconds), index).wind_mps;
+        assert_eq!([wind(1.0, 1), wind(60.0, 0)], [DVec2::X, DVec2::new(3.0, -1.5)]);
+        assert!(local.is_local() && local.at_cell(SimTime::ZERO, 1).moisture == local.intervals()[0].moisture);
     }
 
     #[test]

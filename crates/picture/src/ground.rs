@@ -30,6 +30,8 @@ impl GroundCover {
             91 => Self::Road,
             92 | 93 | 99 => Self::Bare,
             98 => Self::Water,
+            // Custom models, of which the number says nothing.
+            14..=89 | 205.. => Self::Shrub,
             _ => Self::Nothing,
         }
     }

@@ -25,6 +25,7 @@ pub use faults::error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_
 pub use faults::path::{FieldPath, PathStep};
 pub use keys::agents::MemoryPart;
 pub use keys::alexandridis::AlexandridisSettings;
+pub use keys::custom_fuel::CustomFuel;
 pub use keys::dispatch::{Dispatch, DispatchPolicy, IdleRule, Sight, SightOfField};
 pub use keys::field::{Field, MAX_COVERAGE, MapTolerance, Overlaps};
 pub use keys::fire::{Fire, FireModelName, FireUnit, SpreadFrom};
@@ -35,7 +36,7 @@ pub use keys::line::{Crew, LineHolds, LineSettings, ProtectedPlace};
 pub use keys::network::Network;
 pub use keys::program::{MAX_MESSAGE_BYTES, Program, Programs, UsedProgram};
 pub use keys::rothermel::RothermelSettings;
-pub use keys::rules::{Extinguishes, Ignition, IgnitionCells, IgnitionDensity, Score, Suppression};
+pub use keys::rules::{Extinguishes, Ignition, IgnitionArea, IgnitionCells, IgnitionDensity, Score, Suppression};
 pub use keys::traffic::{Detours, TrafficPlan, TrafficRules};
 pub use keys::unimog::{FallbackMode, Limits, Retarget, StartPose, TruckPlannerContext, Unimog};
 pub use keys::water::{Water, WaterEffect, WaterPlace};
@@ -49,16 +50,18 @@ pub use read::source::{
     MAX_MAP_BYTES, MAX_SCENARIO_BYTES, ScenarioText, can_be_read_again, first_too_deep, toml_value,
 };
 pub use site::features::{Hill, Patches, River, Road, Runs};
+pub use site::fuel_file::read_fuels;
 pub use site::fuel_name::FuelName;
 pub use site::imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
-pub use site::landscape::LandscapeSettings;
+pub use site::landscape::{Barrier, LandscapeSettings};
 pub use site::layers::{ImportedLayers, LayerKind, LayerReader, Weights};
 pub use site::terrain::{Terrain, TerrainError};
 pub use site::tetromino::Shape;
 pub use site::truck_starts::{TRUCK_MARGIN_M, free_start};
 pub use site::weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
 pub use site::weather_csv::WeatherSample;
-pub use site::wind::WindChange;
+pub use site::wind::{WindChange, WindUnits};
+pub use site::wind_raster::{TimedWindField, WindRasterKind, WindRasters};
 
 use std::path::PathBuf;
 
@@ -73,6 +76,7 @@ use wildfire_base::geometry::DVec2;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::ranges::{SettingsTable, number_text};
+use wildfire_fire::fuel::FuelModel;
 pub use wildfire_planning::kit::local_search::{MotionCost, PrimitiveSettings};
 pub use wildfire_planning::kit::safety::{SafetyForm, SafetyMap, SafetySettings};
 pub use wildfire_planning::planners::hybrid_astar::HybridSettings;
@@ -172,6 +176,19 @@ pub struct Scenario {
     /// Moisture in the course of a run, and how uncertain the weather is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weather: Option<WeatherSettings>,
+    /// Custom fuel models.
+    #[serde(default, deserialize_with = "list_of_at_most::<500, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub fuel: Vec<CustomFuel>,
+    /// Custom fuel models in a file of FARSITE (`.fmd`) or of ELMFIRE (CSV).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fuel_file: Option<PathBuf>,
+    /// Those of the file. Loading fills it in.
+    #[serde(rename = "given_fuel", default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip)]
+    pub imported_fuel: Vec<FuelModel>,
+    /// Places that stop fire, or have another fuel.
+    #[serde(default, deserialize_with = "list_of_at_most::<1_000, _, _>", skip_serializing_if = "Vec::is_empty")]
+    pub barrier: Vec<Barrier>,
     /// A drawn or generated landscape.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub landscape: Option<LandscapeSettings>,
@@ -216,7 +233,7 @@ impl Scenario {
 
 ranges! { Scenario {
     duration_s: 0.001..=1e6;
-    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, landscape, planner, policy, wumpus, unimog,
+    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, fuel, landscape, planner, policy, wumpus, unimog,
 } }
 
 impl Scenario {
@@ -237,9 +254,19 @@ impl Scenario {
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
         top.settings(self, &frame)?;
+        let damaged = self
+            .barrier
+            .iter()
+            .position(|barrier| barrier.covered.as_ref().is_some_and(|it| it.bytes(frame.cell_count()).is_none()));
+        if let Some(number) = damaged {
+            let expected = "cells that can be unpacked and fit the field".into();
+            return top.inner("barrier").item(number).refuse("given", "damaged".into(), expected);
+        }
+        self.check_wind_fields(&top, frame.cell_count())?;
         top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
-        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame))?;
+        let fuels = self.check_fuels()?;
+        self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame, &fuels))?;
         self.check_stops()?;
         self.check_nearest_by_drive()?;
         self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;
@@ -252,6 +279,18 @@ impl Scenario {
         }
         self.kinds().iter().try_for_each(|agents| agents.check(self))?;
         check_ignitions(&self.ignition, &frame)
+    }
+
+    /// Checks winds by place that were not read from rasters but from a plan.
+    fn check_wind_fields(&self, top: &TablePath, cells: usize) -> Check {
+        let mut packed = self.wind.iter().map(|wind| wind.imported.as_ref());
+        match packed.position(|packed| packed.is_some_and(|packed| packed.field(cells).is_none())) {
+            Some(number) => {
+                let expected = "winds that can be unpacked and fit the field".into();
+                top.inner("wind").item(number).refuse("given", "damaged".into(), expected)
+            }
+            None => Ok(()),
+        }
     }
 
     /// Returns the layers that files give, with their place on earth.

@@ -256,6 +256,16 @@ fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
         .enumerate()
         .map(|(number, entry): (usize, &Ignition)| match &entry.cells {
             IgnitionCells::Cells(cells) => ScheduledIgnition::Named(cells.clone()),
+            // Of a perimeter only what can burn: roads and water inside need no note each.
+            IgnitionCells::Area(area) => {
+                let inside = area.by_cell(&terrain.frame);
+                let mut cells: Vec<Cell> = terrain.with_fuel().chain(terrain.bushes.iter().copied()).collect();
+                cells.retain(|&cell| inside[terrain.frame.index(cell)]);
+                cells.sort_unstable_by_key(|&cell| terrain.frame.index(cell));
+                cells.dedup();
+                ScheduledIgnition::Named(cells)
+            }
+            IgnitionCells::Points(_) => unreachable!("places are cells once they are loaded"),
             IgnitionCells::Random(count) => ScheduledIgnition::FirstOf { order: permutation.clone(), count: *count },
             IgnitionCells::Density(density) => {
                 let order = density.order(&terrain.frame, seed, number).into();

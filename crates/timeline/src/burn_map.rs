@@ -14,7 +14,6 @@ use std::collections::BTreeSet;
 
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass};
 use wildfire_base::time::SimTime;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::RothermelRules;
 use wildfire_fire::surface::crown::{FireType, SpreadingFire, spreading_fire};
 use wildfire_fire::surface::{FuelBed, SurfaceFire, flame_length_m, twenty_foot_wind, unsheltered_adjustment};
@@ -221,7 +220,7 @@ impl<'a> LocalFires<'a> {
         let mut beds = Vec::new();
         for interval in weather.intervals() {
             beds.extend((0..=u8::MAX).map(|number| {
-                let model = FuelModel::by_number(number).filter(|model| model.burns())?;
+                let model = landscape.fuel_model(number).filter(|model| model.burns())?;
                 let wind = interval.wind_mps * (twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft));
                 Some((FuelBed::new(model, &interval.moisture, rules.options.curing), wind))
             }));
@@ -235,8 +234,7 @@ impl<'a> LocalFires<'a> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
-        // Trees differ from cell to cell, so their fires are computed one by one.
-        if rules.crowns.is_some() && landscape.canopy(cell).is_some() {
+        if weather.is_local() || rules.crowns.is_some() && landscape.canopy(cell).is_some() {
             return spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time);
         }
         let is_plane = matches!(landscape.relief, Relief::Plane(_));

@@ -75,6 +75,13 @@ pub struct GroundOutcome {
     pub peak_burning: u32,
     /// The time at which a cell at the border of the field, bush or ground, first caught fire; `None` if none did.
     pub reached_edge_s: Option<f64>,
+    /// The time of the last ignition, if all fire was out before the latest end of the run and none reached the border; `None`
+    /// too where agents light fires.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contained_at_s: Option<f64>,
+    /// Whether fire was not contained so; `None` where nothing burned, or agents light fires.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub escaped: Option<bool>,
     /// `None` without crews.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<LineOutcome>,

@@ -204,8 +204,11 @@ pub fn spreading() -> Timeline {
 pub fn grass(frame: FieldFrame) -> SpreadSetting {
     let fuel = (0..frame.cell_count()).map(|index| if frame.cell(index).col + 1 == frame.cols { 0 } else { 102 });
     let heights = (0..frame.cell_count()).map(|index| 300.0 + 0.25 * f32::from(frame.cell(index).row));
-    let landscape =
-        Landscape { frame, fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()), canopy: None };
+    let landscape = Landscape {
+        fuel: fuel.collect(),
+        relief: Relief::Elevation(heights.collect()),
+        ..Landscape::uniform(frame, 0)
+    };
     let interval =
         |from_s, wind_mps| WeatherInterval { from: seconds(from_s), wind_mps, moisture: FuelMoisture::default() };
     let weather = vec![interval(0.0, DVec2::new(3.0, 0.0)), interval(50.0, DVec2::new(0.0, -2.5))];

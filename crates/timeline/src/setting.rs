@@ -9,7 +9,6 @@ use wildfire_base::geometry::{Cell, DVec2, FieldFrame, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::models::{Alexandridis, AlexandridisRules, Rothermel, RothermelRules};
 use wildfire_fire::surface::FuelBed;
 use wildfire_fire::{BushState, FireModel, FireRules, Landscape, Weather};
@@ -130,7 +129,9 @@ impl FlamingTimes {
         let span = |moisture, number| match spread {
             SpreadSetting::Alexandridis { rules, .. } => Some(rules.step),
             SpreadSetting::Rothermel { rules, .. } => {
-                let residence_s = FuelModel::by_number(number)
+                let residence_s = spread
+                    .landscape()
+                    .fuel_model(number)
                     .filter(|model| model.burns())
                     .map_or(0.0, |model| FuelBed::new(model, moisture, rules.options.curing).residence_s());
                 rules.burn_out.map(|min| min.max(SimTime::from_seconds(residence_s)))
@@ -205,8 +206,7 @@ impl Setting {
 
     /// Returns true if the cell is ground that burns: its fuel does, and it has no bush.
     pub fn is_ground(&self, cell: Cell) -> bool {
-        let burns = |number| FuelModel::by_number(number).is_some_and(FuelModel::burns);
-        self.spread.as_ref().is_some_and(|spread| burns(spread.landscape().fuel_number(cell)))
+        self.spread.as_ref().is_some_and(|spread| spread.landscape().burning_model(cell).is_some())
             && self.bush_index(cell).is_none()
     }
 

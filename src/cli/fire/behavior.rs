@@ -367,7 +367,7 @@ impl Serialize for BehaviorReport<'_> {
         let state = |FuelState { moisture, extinction }| object!(State { moisture, extinction });
         let report = object!(Behavior {
             program_version: PROGRAM_VERSION,
-            fuel: model.code,
+            fuel: &model.code,
             number: model.number,
             m_1h: moisture.d1,
             m_10h: moisture.d10,
@@ -412,7 +412,7 @@ impl From<&FuelList> for Document {
         let headings =
             ["Number", "Code", "Fuel", "1-h", "10-h", "100-h", "Live\ngrass", "Live\nwood", "Depth\nft", "Out at\n%"];
         let rows = FUEL_MODELS.iter().map(|model| {
-            let names = vec![model.number.to_string(), model.code.to_owned(), model.name.to_owned()];
+            let names = vec![model.number.to_string(), model.code.to_string(), model.name.to_string()];
             let loads =
                 model.loads.map(|load| if load > 0.0 { rounded(load * TONS_PER_ACRE, 2) } else { "-".to_owned() });
             let bed = match model.burns() {
@@ -438,8 +438,8 @@ impl Serialize for FuelList {
         serializer.collect_seq(FUEL_MODELS.iter().map(|model| {
             object!(Fuel {
                 number: model.number,
-                code: model.code,
-                name: model.name,
+                code: &model.code,
+                name: &model.name,
                 loads_lb_ft2: model.loads,
                 savs_per_ft: model.savs,
                 depth_ft: model.depth_ft,

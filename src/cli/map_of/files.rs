@@ -34,7 +34,7 @@ pub struct MapOfFiles {
     #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
     npy: Option<PathBuf>,
     /// Write time, fire type, flame length and intensity of one run as the bands of a GeoTIFF.
-    #[arg(help_heading = "Output", long, value_name = "FILE.tif", conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity"])]
+    #[arg(help_heading = "Output", long, value_name = "FILE.tif", conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity", "flame_class"])]
     pub bands: Option<PathBuf>,
     /// Draw the map.
     #[arg(help_heading = "Output", long, value_name = "FILE.png")]
@@ -117,6 +117,9 @@ impl Panel {
             }
             BatchQuantity::MeanArrival => (MapQuantity::ArrivalTime, MapQuantity::TimeDifference, "never burned"),
             BatchQuantity::MeanIntensity => (MapQuantity::Intensity, MapQuantity::IntensityDifference, "no front came"),
+            BatchQuantity::FlameClass(_) => {
+                (MapQuantity::Probability, MapQuantity::ProbabilityDifference, "no front came")
+            }
         };
         let BatchMaps { mut setting, sides, difference, can_burn, is_same_ground, .. } = maps;
         if !is_same_ground {

@@ -109,6 +109,10 @@ pub struct WhatArguments {
     /// The mean of the fireline intensity in kW/m, over the runs in which a front came.
     #[arg(help_heading = "Map over a batch", long)]
     pub mean_intensity: bool,
+    /// The share of runs with flames of a class, among those in which a front came: 1 to 6, up to 0.6, 1.2, 1.8, 2.4,
+    /// 3.7 m and more.
+    #[arg(help_heading = "Map over a batch", long, value_name = "CLASS", value_parser = clap::value_parser!(u8).range(1..=6))]
+    pub flame_class: Option<u8>,
 }
 
 impl WhatArguments {
@@ -118,6 +122,7 @@ impl WhatArguments {
             Self { burn_probability: true, .. } => Some(BatchQuantity::BurnProbability),
             Self { mean_arrival: true, .. } => Some(BatchQuantity::MeanArrival),
             Self { mean_intensity: true, .. } => Some(BatchQuantity::MeanIntensity),
+            Self { flame_class: Some(class), .. } => Some(BatchQuantity::FlameClass(class)),
             _ => None,
         }
     }
@@ -162,7 +167,7 @@ fn of_run(
     context: &CommandContext,
 ) -> Result<(RunMapReport, Panel), CliError> {
     if arguments.minus.is_some() {
-        let help = "--burn-probability, --mean-arrival and --mean-intensity are maps over batches";
+        let help = "--burn-probability, --mean-arrival, --mean-intensity and --flame-class are maps over batches";
         return Err(CliError::bad_input("--minus takes off a batch; expected a map over a batch", Some(help)));
     }
     let (run, place) = shown_run(arguments, context)?;

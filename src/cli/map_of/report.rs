@@ -169,12 +169,23 @@ impl From<&BatchSide> for SideObject {
     }
 }
 
+/// The names of the classes of flame lengths.
+const FLAME_CLASSES: [&str; 6] = [
+    "share of flames up to 0.6 m",
+    "share of flames of 0.6 to 1.2 m",
+    "share of flames of 1.2 to 1.8 m",
+    "share of flames of 1.8 to 2.4 m",
+    "share of flames of 2.4 to 3.7 m",
+    "share of flames above 3.7 m",
+];
+
 impl BatchMapReport {
     pub fn new(quantity: BatchQuantity, maps: &BatchMaps) -> Self {
         let (name, unit) = match quantity {
             BatchQuantity::BurnProbability => ("burn probability", ""),
             BatchQuantity::MeanArrival => ("mean arrival", "s"),
             BatchQuantity::MeanIntensity => ("mean fireline intensity", "kW/m"),
+            BatchQuantity::FlameClass(class) => (FLAME_CLASSES[usize::from(class) - 1], ""),
         };
         let difference = maps.difference.as_ref().map(|difference| {
             let found = difference.mean.iter().copied().filter(|mean| mean.is_finite());

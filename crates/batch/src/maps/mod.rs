@@ -33,6 +33,21 @@ pub enum BatchQuantity {
     MeanArrival,
     /// The mean of Byram's intensity in kW/m, over the runs in which a front arrives.
     MeanIntensity,
+    /// The share of runs with flames of a class, 1 to 6, among those in which a front arrives.
+    FlameClass(u8),
+}
+
+/// The upper ends of the classes of flame lengths in metres, 2, 4, 6, 8 and 12 ft; the sixth has none (Finney and others,
+/// "A simulation of probabilistic wildfire risk components for the continental United States", 2011).
+const FLAME_CLASSES_M: [f64; 5] = [0.6096, 1.2192, 1.8288, 2.4384, 3.6576];
+
+/// Returns 1 if flames of a length are of a class and 0 if not; NaN where no front came.
+fn is_of_class(flame_m: f64, class: u8) -> f64 {
+    if flame_m.is_nan() {
+        return f64::NAN;
+    }
+    let found = 1 + FLAME_CLASSES_M.iter().filter(|&&end| flame_m > end).count();
+    f64::from(u8::from(found == usize::from(class)))
 }
 
 /// The options of reading runs.
@@ -209,6 +224,9 @@ impl RunMap {
         let map = BurnMap::new(&timeline);
         let intensity = match quantity {
             BatchQuantity::MeanIntensity => map.behavior()?.intensity_kw_m,
+            BatchQuantity::FlameClass(class) => {
+                map.behavior()?.flame_length_m.iter().map(|&flame_m| is_of_class(flame_m, class)).collect()
+            }
             _ => Vec::new(),
         };
         let counts = RunCounts::new(&map);
@@ -217,7 +235,7 @@ impl RunMap {
 
     fn values(&self, quantity: BatchQuantity) -> &[f64] {
         match quantity {
-            BatchQuantity::MeanIntensity => &self.intensity,
+            BatchQuantity::MeanIntensity | BatchQuantity::FlameClass(_) => &self.intensity,
             _ => &self.arrival_s,
         }
     }

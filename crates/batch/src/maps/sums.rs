@@ -48,7 +48,9 @@ impl SideSums {
         let cells = self.counts.iter().zip(&self.sums).zip(can_burn);
         let values = cells.map(|((&count, &sum), &can_burn)| match quantity {
             BatchQuantity::BurnProbability if can_burn => f64::from(count) / self.runs.len() as f64,
-            BatchQuantity::MeanArrival | BatchQuantity::MeanIntensity if count > 0 => sum / f64::from(count),
+            BatchQuantity::MeanArrival | BatchQuantity::MeanIntensity | BatchQuantity::FlameClass(_) if count > 0 => {
+                sum / f64::from(count)
+            }
             _ => f64::NAN,
         });
         values.collect()
@@ -67,7 +69,7 @@ impl PairSums {
     pub fn new(cells: usize, quantity: BatchQuantity) -> Self {
         match quantity {
             BatchQuantity::BurnProbability => Self::Burned(vec![PairedAnswers::default(); cells]),
-            BatchQuantity::MeanArrival | BatchQuantity::MeanIntensity => {
+            BatchQuantity::MeanArrival | BatchQuantity::MeanIntensity | BatchQuantity::FlameClass(_) => {
                 Self::Differences(vec![Series::default(); cells])
             }
         }

@@ -306,6 +306,15 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         aim("lost the least area", ["lost", " of area"], "ha less");
     reached_edge_s: optional Real Seconds "time at which a border cell, bush or ground, first caught fire, if any"
         = ground(row, |g| g.reached_edge_s), title("Time fire reached the border");
+    contained_at_s: optional Real Seconds
+        "time of the last ignition, if all fire was out before the end and none reached the border; only without Wumpuses"
+        = ground(row, |g| g.contained_at_s), title("Time of containment"), better(Lower),
+        phrase("$ contains the fire", "s later", "s sooner");
+    contained_ha: optional Real Hectares "burned area of a contained fire"
+        = ground(row, |g| g.contained_at_s.map(|_| g.burned_ha)), title("Area of contained fires"), better(Lower);
+    escaped: optional Count None "1 if fire was not contained, otherwise 0; only without Wumpuses"
+        = ground(row, |g| g.escaped.map(u64::from)), title("Escaped fires"), better(Lower),
+        phrase("with $", "more fires escape per run", "fewer fires escape per run");
     line_built_m: optional Real Metres "line that crews built, if there are any"
         = ground(row, |g| g.line.map(|line| line.built_m)), title("Line built");
     line_lost_m: optional Real Metres "the part of it that does not hold"

@@ -152,7 +152,15 @@ impl Alexandridis {
 
     /// Returns the probability that a cell sets its neighbour in a direction on fire at a time.
     pub fn probability(&self, from: Cell, direction: usize, to: Cell, now: SimTime) -> f64 {
-        let wind = self.wind_factors[self.weather.interval_at(now)][direction];
+        let interval = self.weather.interval_at(now);
+        let wind = match self.weather.wind_field(interval) {
+            None => self.wind_factors[interval][direction],
+            Some(field) => {
+                let (cols, rows) = DIRECTIONS[direction];
+                let toward = DVec2::new(f64::from(cols), f64::from(rows));
+                self.rules.wind_factor(field.at(self.landscape.frame.index(from)), toward / length(toward))
+            }
+        };
         let slope = self.slope_factors.map_or_else(|| self.slope_factor(from, to), |factors| factors[direction]);
         self.rules.probability(wind, slope)
     }

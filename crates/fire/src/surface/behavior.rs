@@ -181,7 +181,7 @@ mod tests {
 
     fn beds() -> impl Iterator<Item = (&'static str, FuelBed)> {
         let models = FUEL_MODELS.iter().filter(|model| model.burns());
-        models.map(|model| (model.code, FuelBed::new(model, &FuelMoisture::default(), Curing::Exact)))
+        models.map(|model| (&*model.code, FuelBed::new(model, &FuelMoisture::default(), Curing::Exact)))
     }
 
     const UNLIMITED: SurfaceOptions = SurfaceOptions {

@@ -307,12 +307,12 @@ pub fn spreading_fire(
         let fire = surface_fire(landscape, weather, options, cell, time)?;
         return Some(SpreadingFire { fire, fire_type: FireType::Surface });
     };
-    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
-    let WeatherInterval { moisture, wind_mps, .. } = weather.at(time);
-    let ground = (FuelBed::new(model, moisture, options.curing), model.depth_ft);
-    let ten = model_10(moisture, options.curing);
+    let model = landscape.burning_model(cell)?;
+    let WeatherInterval { moisture, wind_mps, .. } = weather.at_cell(time, landscape.frame.index(cell));
+    let ground = (FuelBed::new(model, &moisture, options.curing), model.depth_ft);
+    let ten = model_10(&moisture, options.curing);
     let gradient = landscape.gradient(cell);
-    let fire = CrownConditions::in_weather(ground, ten, canopy, *wind_mps, gradient, *options, rules).burn();
+    let fire = CrownConditions::in_weather(ground, ten, canopy, wind_mps, gradient, *options, rules).burn();
     Some(SpreadingFire { fire: fire.spreading(rules.method), fire_type: fire.fire_type() })
 }
 

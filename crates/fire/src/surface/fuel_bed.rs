@@ -138,14 +138,21 @@ impl FuelBed {
         let dead_state = state(&dead, model.dead_extinction);
         let live_state = state(&live, live_extinction(&dead, &live, model.dead_extinction));
         let mineral_damping = (0.174 * ops::pow(EFFECTIVE_MINERALS, -0.19)).min(1.0);
-        let burning_load =
-            net_load(&dead) * moisture_damping(dead_state) + net_load(&live) * moisture_damping(live_state);
+        let burning_dead = net_load(&dead) * moisture_damping(dead_state);
+        let burning_live = net_load(&live) * moisture_damping(live_state);
         let coarse = sav * sav.sqrt();
         let fastest = coarse / (495.0 + 0.0594 * coarse);
         let exponent = 133.0 * ops::pow(sav, -0.7913);
         let reaction_velocity =
             fastest * ops::pow(relative_packing, exponent) * ops::exp(exponent * (1.0 - relative_packing));
-        let reaction_intensity = reaction_velocity * burning_load * model.heat_btu_lb * mineral_damping;
+        let heat = model.heat_btu_lb;
+        // Most models have one heat content, and runs depend on the order of these factors.
+        let burning_heat = if heat == model.live_heat_btu_lb {
+            reaction_velocity * (burning_dead + burning_live) * heat
+        } else {
+            reaction_velocity * (burning_dead * heat + burning_live * model.live_heat_btu_lb)
+        };
+        let reaction_intensity = burning_heat * mineral_damping;
 
         let flux = ops::exp((0.792 + 0.681 * sav.sqrt()) * (packing + 0.1)) / (192.0 + 0.2595 * sav);
         let heat_sink =

@@ -23,7 +23,6 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 
-use crate::fuel::FuelModel;
 use crate::{Landscape, Weather};
 
 pub(crate) use behavior::length_to_width;
@@ -46,8 +45,8 @@ pub fn surface_fire(
     cell: Cell,
     time: SimTime,
 ) -> Option<SurfaceFire> {
-    let model = FuelModel::by_number(landscape.fuel_number(cell)).filter(|model| model.burns())?;
-    let weather = weather.at(time);
+    let model = landscape.burning_model(cell)?;
+    let weather = weather.at_cell(time, landscape.frame.index(cell));
     let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(model.depth_ft) * weather.wind_mps;
     let bed = FuelBed::new(model, &weather.moisture, options.curing);
     Some(bed.behavior(midflame, landscape.gradient(cell), options))

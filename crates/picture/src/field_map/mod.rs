@@ -101,7 +101,7 @@ mod tests {
                 _ => 102,
             }
         });
-        Landscape { fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()), frame: FRAME, canopy: None }
+        Landscape { fuel: fuel.collect(), relief: Relief::Elevation(heights.collect()), ..Landscape::uniform(FRAME, 0) }
     }
 
     fn arrivals() -> Vec<f64> {

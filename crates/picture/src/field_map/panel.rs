@@ -420,7 +420,8 @@ mod tests {
         let frame = FieldFrame { cols: 12, rows: 12, cell_m: 10.0 };
         let heights = (0..frame.cell_count()).map(|index| 6.0 * f32::from(frame.cell(index).row));
         let fuel = vec![102; frame.cell_count()];
-        let landscape = Landscape { fuel, relief: Relief::Elevation(heights.collect()), frame, canopy: None };
+        let landscape =
+            Landscape { fuel, relief: Relief::Elevation(heights.collect()), ..Landscape::uniform(frame, 0) };
         let values = vec![f64::NAN; frame.cell_count()];
         let map = FieldMap {
             title: "",

@@ -5,7 +5,7 @@ use crate::keys::field::percent;
 use crate::site::weather::{DeadMoisture, describe_wind, thousandths};
 use crate::{FireModelName, LandscapeSettings, Scenario, Terrain};
 use wildfire_base::geometry::{DVec2, ops};
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::{FuelModel, written_number};
 use wildfire_fire::surface::{
     FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, twenty_foot_wind, unsheltered_adjustment,
 };
@@ -28,7 +28,7 @@ const RARE: f64 = 0.01;
 
 /// A fuel and the cells that it covers.
 struct FuelShare {
-    model: &'static FuelModel,
+    model: FuelModel,
     cells: usize,
 }
 
@@ -36,9 +36,10 @@ struct FuelShare {
 fn fuel_shares(landscape: &Landscape) -> Vec<FuelShare> {
     let mut counts = [0_usize; 256];
     landscape.fuel.iter().for_each(|&number| counts[usize::from(number)] += 1);
-    let to_share =
-        |(number, &cells): (usize, &usize)| Some(FuelShare { model: FuelModel::by_number(number as u8)?, cells });
-    let mut shares: Vec<_> = counts.iter().enumerate().filter_map(to_share).filter(|share| share.cells > 0).collect();
+    let there = (0..=u8::MAX).zip(counts).filter(|&(_, cells)| cells > 0);
+    let mut shares: Vec<_> = there
+        .filter_map(|(number, cells)| Some(FuelShare { model: landscape.fuel_model(number)?.clone(), cells }))
+        .collect();
     shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.model.number));
     shares
 }
@@ -66,6 +67,12 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
     }
     let mut lines = vec![format!("Fuels by share: {}.", listed.join(", ")), describe_relief(landscape)];
+    let custom = landscape.custom_fuels.models().iter();
+    let custom: Vec<String> = custom.map(|model| format!("{} {}", written_number(model.number), model.code)).collect();
+    if !custom.is_empty() {
+        let file = scenario.fuel_file.as_ref().map_or(String::new(), |file| format!(" (file {})", file.display()));
+        lines.push(format!("Custom fuel models{file}: {}.", custom.join(", ")));
+    }
     if landscape.canopy.is_some() {
         let trees = (0..landscape.fuel.len()).filter(|&index| landscape.canopy(landscape.frame.cell(index)).is_some());
         lines.push(format!("Trees on {} % of the cells.", percent(trees.count() as f64 / cells)));
@@ -135,7 +142,15 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
         .wind
         .iter()
         .take(SHOWN_CHANGES)
-        .map(|it| format!("From {} s: {}.", thousandths(it.at_s), describe_wind(it.speed_mps, it.toward_deg)))
+        .map(|it| {
+            let wind = describe_wind(it.speed_mps, it.toward_deg);
+            let field = it.imported.as_ref().and_then(|packed| packed.field(scenario.field.frame().cell_count()));
+            let by_place = field.map_or(String::new(), |field| {
+                let [min, max] = field.speeds().map(thousandths);
+                format!("by place, {min} to {max} m/s, on average ")
+            });
+            format!("From {} s: {by_place}{wind}.", thousandths(it.at_s))
+        })
         .collect();
     if scenario.wind.len() > SHOWN_CHANGES {
         lines.push(format!("and {} more changes of the wind.", scenario.wind.len() - SHOWN_CHANGES));
@@ -189,7 +204,7 @@ fn describe_moisture(moisture: &FuelMoisture) -> String {
 }
 
 /// The fire of a fuel on level ground in one interval of the weather.
-fn fire_of(model: &'static FuelModel, weather: &Weather, interval: usize, options: &SurfaceOptions) -> SurfaceFire {
+fn fire_of(model: &FuelModel, weather: &Weather, interval: usize, options: &SurfaceOptions) -> SurfaceFire {
     let interval = &weather.intervals()[interval];
     let bed = FuelBed::new(model, &interval.moisture, options.curing);
     let speed = interval.wind_mps.length();
@@ -213,8 +228,7 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     burning
         .take(SHOWN_FIRES)
         .map(|share: FuelShare| {
-            // This is the first weather and not the worst, since a run begins with it.
-            let fire = fire_of(share.model, weather, 0, &options);
+            let fire = fire_of(&share.model, weather, 0, &options);
             if fire.rate_mps == 0.0 {
                 return format!("{}: too moist to burn.", share.model.code);
             }
@@ -246,8 +260,8 @@ pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, weather: &Weather,
             "{share} % of the cells are steeper than {STEEP_DEG} degrees: elevations may be in feet, or slopes in percent."
         ));
     }
-    let burning = landscape.fuel.iter().filter(|&&number| FuelModel::by_number(number).is_some_and(FuelModel::burns));
-    // Bushes are among the burning cells, and what is left is the ground between them.
+    let burns = landscape.burning_numbers();
+    let burning = landscape.fuel.iter().filter(|&&number| burns[usize::from(number)]);
     let between = burning.count().saturating_sub(terrain.bushes.len());
     if between == 0 {
         found.push("Nothing burns between the bushes: fire spreads only among bushes that touch.".into());
@@ -270,10 +284,10 @@ fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceO
     let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
     for share in burning.filter(|share| share.cells as f64 > RARE * landscape.fuel.len() as f64) {
         let intervals = weather.intervals();
-        let moist = (0..intervals.len()).find(|&at| fire_of(share.model, weather, at, options).rate_mps == 0.0);
+        let moist = (0..intervals.len()).find(|&at| fire_of(&share.model, weather, at, options).rate_mps == 0.0);
         if let Some(at) = moist {
             let since = thousandths(intervals[at].from.as_seconds());
-            let code = share.model.code;
+            let code = &share.model.code;
             found.push(format!(
                 "{code} does not burn from {since} s on: its moisture exceeds the moisture of extinction, and fire in \
                  it goes out."

@@ -7,7 +7,6 @@ use crate::keys::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use crate::keys::dispatch::warn_of_team;
 use crate::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
 use wildfire_base::geometry::Cell;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::collision::ClearanceField;
 
 /// Collects the warnings about a scenario, and about the field of the seed that is shown if it has one.
@@ -136,14 +135,14 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
     let can_burn = |cell: &Cell| burns[terrain.frame.index(*cell)];
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
         IgnitionCells::Cells(cells) => Some(cells),
-        IgnitionCells::Random(_) | IgnitionCells::Density(_) => None,
+        _ => None,
     });
     let bare: Vec<&Cell> = named.flatten().filter(|cell| !can_burn(cell)).collect();
     match (&terrain.landscape, bare.first()) {
         (_, None) => {}
         (None, Some(_)) => found.push(format!("Cells of ignitions that are not bushes of the map: {}.", bare.len())),
         (Some(landscape), Some(&&cell)) => {
-            let holds = match FuelModel::by_number(landscape.fuel_number(cell)) {
+            let holds = match landscape.fuel_model(landscape.fuel_number(cell)) {
                 Some(model) => format!("{}, {}", model.code, model.name),
                 None => "nothing".to_owned(),
             };
@@ -153,7 +152,11 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
     }
     for ignition in &scenario.ignition {
         let is_void = match &ignition.cells {
-            IgnitionCells::Cells(_) => false,
+            IgnitionCells::Cells(_) | IgnitionCells::Points(_) => false,
+            IgnitionCells::Area(area) => {
+                let mut inside = area.by_cell(&terrain.frame).into_iter().zip(&burns);
+                !inside.any(|(is_inside, &burns)| is_inside && burns)
+            }
             IgnitionCells::Random(_) => {
                 // Where there are no bushes at all, random ignitions light the ground.
                 let has_ground = scenario.fire.lights_ground() || terrain.bushes.is_empty();

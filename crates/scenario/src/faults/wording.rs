@@ -4,7 +4,11 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 
 /// Values that only loading fills in: no file may have them.
-pub const LOADED: [&str; 10] = [
+pub const LOADED: [&str; 14] = [
+    "barrier.*.given",
+    "ignition.*.inside",
+    "given_fuel",
+    "wind.*.given",
     "field.given",
     "field.raster_frame",
     "landscape.given",

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::faults::check::{Check, TablePath};
-use crate::{Terrain, Unimog};
+use crate::{FuelName, Terrain, Unimog};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::trajectory::GroundSpeed;
-use wildfire_fire::fuel::FuelModel;
 
 /// The name of all ground that is not named.
 const OTHER: &str = "other";
@@ -21,7 +20,7 @@ pub type SpeedByGround = BTreeMap<String, f64>;
 pub(crate) fn check(table: &TablePath, shares: &SpeedByGround) -> Check {
     let table = table.inner("speed_by_ground");
     shares.iter().try_for_each(|(name, &share)| {
-        if name != OTHER && FuelModel::by_name(name).is_none() {
+        if name != OTHER && FuelName::parse(name).is_none() {
             return table.refuse(name, name.clone(), format!("the code of a fuel such as `NB9`, or `{OTHER}`"));
         }
         table.number(name, share, MIN_SHARE..=1.0)
@@ -51,8 +50,7 @@ impl Unimog {
         }
         let mut shares = [self.speed_by_ground.get(OTHER).copied().unwrap_or(1.0); 256];
         for (name, &share) in &self.speed_by_ground {
-            let model = FuelModel::by_name(name);
-            model.into_iter().for_each(|model| shares[usize::from(model.number)] = share);
+            FuelName::parse(name).into_iter().for_each(|fuel| shares[usize::from(fuel.number())] = share);
         }
         Some(shares)
     }

@@ -6,12 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::faults::check::{Check, TablePath};
-use crate::{FireModelName, LinePolicy, MAX_AGENTS, Scenario};
+use crate::{FireModelName, FuelName, LinePolicy, MAX_AGENTS, Scenario};
 use wildfire_base::geometry::FieldFrame;
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_fire::contain::Tactic;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_planning::PlannerName;
 
 /// The most places to protect.
@@ -100,7 +99,7 @@ impl Crew {
     /// Returns the metres of line that all of the entry build in a second on a fuel.
     pub fn rate_mps(&self, fuel: u8) -> f64 {
         let mut rates = self.rate_by_fuel.iter();
-        let of_fuel = rates.find(|(code, _)| FuelModel::by_name(code).is_some_and(|model| model.number == fuel));
+        let of_fuel = rates.find(|(code, _)| FuelName::parse(code).is_some_and(|name| name.number() == fuel));
         f64::from(self.count) * of_fuel.map_or(self.rate_m_h, |(_, &rate)| rate) / 3600.0
     }
 
@@ -129,7 +128,7 @@ impl Scenario {
             entry.settings(crew, frame)?;
             for (code, &rate) in &crew.rate_by_fuel {
                 entry.inner("rate_by_fuel").number(code, rate, 0.0..=1e6)?;
-                if FuelModel::by_name(code).is_none() {
+                if FuelName::parse(code).is_none() {
                     let expected = "the code of a fuel model such as `GR2`".into();
                     return entry.inner("rate_by_fuel").refuse(code, "this name".into(), expected);
                 }

@@ -2,6 +2,7 @@
 
 pub mod agents;
 pub mod alexandridis;
+pub mod custom_fuel;
 pub mod dispatch;
 pub mod field;
 pub mod fire;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::faults::check::{Check, TablePath};
 use crate::faults::path::PathStep;
-use crate::site::layers::Weights;
+use crate::site::layers::{PackedLayer, Weights};
 use wildfire_base::geometry::{Cell, FieldFrame, ops};
 use wildfire_base::or_none;
 use wildfire_base::ranges;
@@ -84,6 +84,26 @@ pub enum IgnitionCells {
     /// This number of bush cells, drawn from the stream `ignition`.
     Random(u32),
     Density(Box<IgnitionDensity>),
+    /// All that can burn inside a perimeter.
+    Area(Box<IgnitionArea>),
+    /// The cells at places in metres, in the coordinates of the landscape's rasters; loading turns them into cells.
+    Points(Vec<[f64; 2]>),
+}
+
+/// The cells inside the polygons of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IgnitionArea {
+    pub file: PathBuf,
+    /// 1 for the cells inside, 0 for others; loading fills it in.
+    pub inside: Option<PackedLayer>,
+}
+
+impl IgnitionArea {
+    /// Says of each cell by index whether it is inside.
+    pub fn by_cell(&self, frame: &FieldFrame) -> Vec<bool> {
+        let bytes = self.inside.as_ref().and_then(|inside| inside.bytes(frame.cell_count()));
+        bytes.map_or_else(|| vec![false; frame.cell_count()], |bytes| bytes.iter().map(|&byte| byte == 1).collect())
+    }
 }
 
 /// A number of cells, drawn by weights that a raster gives.
@@ -134,6 +154,16 @@ struct IgnitionEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<(u16, u16)>>")]
     cells: Option<Vec<Cell>>,
+    /// Places instead of cells, in metres of the landscape's rasters or, without any, of the field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points_m: Option<Vec<[f64; 2]>>,
+    /// A GeoJSON file whose polygons burn, in the same coordinates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    perimeter: Option<PathBuf>,
+    /// The cells inside. Loading fills it in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    inside: Option<PackedLayer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     random: Option<u32>,
     /// A raster of weights, by which the `random` cells are drawn.
@@ -149,6 +179,17 @@ impl TryFrom<IgnitionEntry> for Ignition {
     type Error = &'static str;
 
     fn try_from(entry: IgnitionEntry) -> Result<Self, Self::Error> {
+        if let Some(file) = entry.perimeter {
+            if entry.cells.is_some() || entry.points_m.is_some() || entry.random.is_some() || entry.density.is_some() {
+                return Err("an ignition with `perimeter` lights all inside, and needs no other cells");
+            }
+            let cells = IgnitionCells::Area(Box::new(IgnitionArea { file, inside: entry.inside }));
+            return Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells });
+        }
+        let has_others = entry.cells.is_some() || entry.random.is_some() || entry.density.is_some();
+        if let Some(points) = entry.points_m.filter(|_| !has_others) {
+            return Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells: IgnitionCells::Points(points) });
+        }
         let cells = match (entry.cells, entry.random, entry.density) {
             (Some(cells), None, None) => IgnitionCells::Cells(cells),
             (None, Some(count), None) => IgnitionCells::Random(count),
@@ -156,7 +197,7 @@ impl TryFrom<IgnitionEntry> for Ignition {
                 IgnitionCells::Density(Box::new(IgnitionDensity { file, count, weights: entry.weights }))
             }
             (None, None, Some(_)) => return Err("`density` also needs `random`, the number of cells that it lights"),
-            _ => return Err("an ignition needs either `cells` or `random`"),
+            _ => return Err("an ignition needs one of `cells`, `points_m`, `perimeter` and `random`"),
         };
         Ok(Self { at_s: entry.at_s, every_s: entry.every_s, cells })
     }
@@ -165,10 +206,25 @@ impl TryFrom<IgnitionEntry> for Ignition {
 impl From<Ignition> for IgnitionEntry {
     fn from(ignition: Ignition) -> Self {
         let Ignition { at_s, every_s, .. } = ignition;
-        let mut entry = Self { at_s, every_s, cells: None, random: None, density: None, weights: None };
+        let mut entry = Self {
+            at_s,
+            every_s,
+            cells: None,
+            points_m: None,
+            perimeter: None,
+            inside: None,
+            random: None,
+            density: None,
+            weights: None,
+        };
         match ignition.cells {
             IgnitionCells::Cells(cells) => entry.cells = Some(cells),
             IgnitionCells::Random(count) => entry.random = Some(count),
+            IgnitionCells::Points(points) => entry.points_m = Some(points),
+            IgnitionCells::Area(area) => {
+                let IgnitionArea { file, inside } = *area;
+                (entry.perimeter, entry.inside) = (Some(file), inside);
+            }
             IgnitionCells::Density(density) => {
                 let IgnitionDensity { file, count, weights } = *density;
                 (entry.random, entry.density, entry.weights) = (Some(count), Some(file), weights);
@@ -199,6 +255,15 @@ pub(crate) fn check_ignitions(ignitions: &[Ignition], frame: &FieldFrame) -> Che
                     return table.refuse("density", "damaged".into(), "a weight for each cell of the field".into());
                 }
             }
+            IgnitionCells::Area(area) => {
+                if area.inside.as_ref().is_some_and(|inside| inside.bytes(frame.cell_count()).is_none()) {
+                    return table.refuse("inside", "damaged".into(), "a value for each cell of the field".into());
+                }
+            }
+            // Places are cells once they are loaded.
+            IgnitionCells::Points(points) => {
+                return table.refuse("points_m", format!("{} places", points.len()), "cells".into());
+            }
             IgnitionCells::Cells(cells) => {
                 // The limit is on all entries together, as each of them may name every cell.
                 named += cells.len();
@@ -224,11 +289,14 @@ pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let mut random = 0_u64;
     let mut named = 0;
     let mut drawn = 0_u64;
+    let mut areas = 0;
     for ignition in ignitions {
         match &ignition.cells {
             IgnitionCells::Random(count) => random += u64::from(*count),
             IgnitionCells::Cells(cells) => named += cells.len(),
             IgnitionCells::Density(density) => drawn += u64::from(density.count),
+            IgnitionCells::Area(_) => areas += 1,
+            IgnitionCells::Points(points) => named += points.len(),
         }
     }
     let times = ignitions.iter().map(|ignition| ignition.at_s);
@@ -237,6 +305,11 @@ pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
     let count = ignitions.len();
     let by_density =
         if drawn > 0 { format!(", and {drawn} chosen at random by maps of weights") } else { String::new() };
+    let by_density = match areas {
+        0 => by_density,
+        1 => format!("{by_density}, and a perimeter"),
+        _ => format!("{by_density}, and {areas} perimeters"),
+    };
     let repeated = match ignitions.iter().filter(|ignition| ignition.every_s.is_some()).count() {
         0 => String::new(),
         repeated => format!(" {repeated} of them repeated to the end of the run."),

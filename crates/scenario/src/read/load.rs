@@ -16,12 +16,14 @@ use crate::faults::error::{Fault, ScenarioError, SourceLocation};
 use crate::faults::path::{FieldPath, FoundSpan, PathStep};
 use crate::faults::wording::{self, FaultOfField, KeyOrValue, LOADED};
 use crate::keys::program::{Unusable, UnusableFile};
+use crate::site::fuel_file::read_fuels;
 use crate::site::geojson;
 use crate::site::imported::json_fault;
 use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
 use crate::site::weather_csv::{read_samples, read_wind};
-use crate::{Field, IgnitionCells, ImportedField, Scenario};
-use wildfire_base::geometry::FieldFrame;
+use crate::site::wind_raster::{WindRasterKind, WindRasters, read_wind_list};
+use crate::{Field, IgnitionCells, ImportedField, ImportedLayers, Scenario};
+use wildfire_base::geometry::{DVec2, FieldFrame};
 use wildfire_base::input_file;
 use wildfire_fire::surface::FuelMoisture;
 use wildfire_grid::map_files;
@@ -126,6 +128,9 @@ fn parse(source: &ScenarioText) -> Result<Table, Box<ScenarioError>> {
     })
 }
 
+/// Marks cells of a field by the shapes of a GeoJSON text.
+type ShapeReader = fn(&str, &FieldFrame, Option<&ImportedLayers>) -> Result<Result<Vec<u8>, String>, serde_json::Error>;
+
 /// A scenario as it was written: in its file, and in changes of the command line.
 struct WrittenScenario<'a> {
     source: &'a ScenarioText,
@@ -154,11 +159,15 @@ impl WrittenScenario<'_> {
             let side = if matches!(fault, Fault::Conflict { .. }) { KeyOrValue::Key } else { KeyOrValue::Value };
             return Err(fault.at(self.location_as_written(&path, side)));
         }
-        // The landscape comes first: its frame is that of the field, which a map and roads must fit.
+        if let Some(file) = &scenario.fuel_file {
+            let path = FieldPath::parse("fuel_file");
+            scenario.imported_fuel =
+                read_fuels(&self.file(&path, file)).map_err(|message| self.rule(&path, message))?;
+        }
         self.load_landscape(&mut scenario)?;
         self.load_map(&mut scenario)?;
         self.load_roads(&mut scenario)?;
-        // Starts come after the map, since whether one fits depends on its size.
+        self.load_barriers(&mut scenario)?;
         self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
         self.load_densities(&mut scenario)?;
@@ -230,7 +239,7 @@ impl WrittenScenario<'_> {
     /// Reads the files of a landscape, and gives the field their frame.
     fn load_landscape(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         // All layers share one reader, as several may be bands of one file and all must lie on one frame.
-        let mut reader = LayerReader::default();
+        let mut reader = LayerReader::new(scenario.custom_fuels());
         let mut files = Vec::new();
         if let Some(settings) = &scenario.fire.rothermel {
             files.extend([
@@ -282,15 +291,8 @@ impl WrittenScenario<'_> {
         let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
         let Some(file) = settings.roads_file.as_ref().filter(|_| has_size) else { return Ok(()) };
         let path = FieldPath::parse("landscape.roads_file");
-        let file = self.file(&path, file);
-        let text = input_file::read_text(&file, MAX_MAP_BYTES)
-            .map_err(|error| unreadable(&file, &error).at(self.location(&path, KeyOrValue::Value)))?;
-        let cells = geojson::road_cells(&text, &frame, settings.imported.as_ref()).map_err(|error| {
-            let error = json_fault(&text, &error, FieldPath::default());
-            Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
-        })?;
-        let cells = cells.map_err(|message| self.rule(&path, format!("{}: {message}", file.display())))?;
-        settings.imported_roads = Some(PackedLayer::from_bytes(&cells));
+        let layers = settings.imported.as_ref();
+        settings.imported_roads = Some(self.read_shapes(&path, file, geojson::road_cells, &frame, layers)?);
         Ok(())
     }
 
@@ -299,20 +301,85 @@ impl WrittenScenario<'_> {
         let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
         for (number, ignition) in scenario.ignition.iter_mut().enumerate() {
             let list = FieldPath(vec![PathStep::key("ignition"), PathStep::Index(number)]);
-            let IgnitionCells::Density(density) = &mut ignition.cells else { continue };
-            let path = list.join(PathStep::key("density"));
-            let weights = Weights::read(&self.file(&path, &density.file), &frame, layers);
-            density.weights = Some(weights.map_err(|message| self.rule(&path, message))?);
+            match &mut ignition.cells {
+                IgnitionCells::Density(density) => {
+                    let path = list.join(PathStep::key("density"));
+                    let weights = Weights::read(&self.file(&path, &density.file), &frame, layers);
+                    density.weights = Some(weights.map_err(|message| self.rule(&path, message))?);
+                }
+                IgnitionCells::Area(area) => {
+                    let path = list.join(PathStep::key("perimeter"));
+                    area.inside = Some(self.read_shapes(&path, &area.file, geojson::area_cells, &frame, layers)?);
+                }
+                IgnitionCells::Points(points) => {
+                    let path = list.join(PathStep::key("points_m"));
+                    let corner = layers.map_or([0.0; 2], |layers| [layers.west_m, layers.south_m]);
+                    let mut cells = Vec::with_capacity(points.len());
+                    for &[x, y] in points.iter() {
+                        let Some(cell) = frame.cell_at(DVec2::new(x - corner[0], y - corner[1])) else {
+                            let [west, south] = corner;
+                            let [width, height] = [frame.width_m(), frame.height_m()];
+                            let message = format!(
+                                "`{path}`: there is no cell at ({x}, {y}); expected a place in the field of {width} x \
+                                 {height} m from ({west}, {south}) on"
+                            );
+                            return Err(self.rule(&path, message));
+                        };
+                        cells.push(cell);
+                    }
+                    ignition.cells = IgnitionCells::Cells(cells);
+                }
+                IgnitionCells::Cells(_) | IgnitionCells::Random(_) => {}
+            }
         }
         Ok(())
+    }
+
+    /// Reads the files of barriers.
+    fn load_barriers(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
+        for (number, barrier) in scenario.barrier.iter_mut().enumerate() {
+            let entry = FieldPath(vec![PathStep::key("barrier"), PathStep::Index(number)]);
+            let path = entry.join(PathStep::key("file"));
+            barrier.covered = Some(self.read_shapes(&path, &barrier.file, geojson::covered_cells, &frame, layers)?);
+        }
+        Ok(())
+    }
+
+    /// Reads a GeoJSON file that a value names, and packs the cells of the field that its shapes mark.
+    fn read_shapes(
+        &self,
+        path: &FieldPath,
+        file: &Path,
+        mark: ShapeReader,
+        frame: &FieldFrame,
+        layers: Option<&ImportedLayers>,
+    ) -> Result<PackedLayer, Box<ScenarioError>> {
+        let file = self.file(path, file);
+        let text = input_file::read_text(&file, MAX_MAP_BYTES)
+            .map_err(|error| unreadable(&file, &error).at(self.location(path, KeyOrValue::Value)))?;
+        // A field of an impossible size is refused later.
+        if !(1..=MAX_RASTER_CELLS).contains(&frame.cell_count()) {
+            return Ok(PackedLayer::from_bytes(&[]));
+        }
+        let cells = mark(&text, frame, layers).map_err(|error| {
+            let error = json_fault(&text, &error, FieldPath::default());
+            Fault::from(error.fault).at(SourceLocation::new(&file.display().to_string(), &text, error.span))
+        })?;
+        let cells = cells.map_err(|message| self.rule(path, format!("{}: {message}", file.display())))?;
+        Ok(PackedLayer::from_bytes(&cells))
     }
 
     fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
         if let Some(file) = &scenario.wind_file {
             let path = FieldPath::parse("wind_file");
-            let winds = read_wind(&self.file(&path, file), scenario.duration_s);
+            let file = self.file(&path, file);
+            let list = read_wind_list(&file, scenario.duration_s).map_err(|message| self.rule(&path, message))?;
+            let winds = list.map_or_else(|| read_wind(&file, scenario.duration_s), Ok);
             scenario.wind = winds.map_err(|message| self.rule(&path, message))?;
         }
+        self.load_wind_fields(scenario)?;
         if let Some(settings) = &mut scenario.weather
             && let Some(file) = &settings.samples
         {
@@ -331,6 +398,47 @@ impl WrittenScenario<'_> {
             settings.notes = stream.notes;
             // The other changes of the moisture exclude it.
             settings.moisture.extend(stream.moistures);
+        }
+        Ok(())
+    }
+
+    /// Reads the rasters of winds by place.
+    fn load_wind_fields(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        // A field of an impossible size is refused later.
+        let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
+        let of_list = scenario.wind_file.as_ref().map(|_| FieldPath::parse("wind_file"));
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
+        for (number, wind) in scenario.wind.iter_mut().enumerate().filter(|_| has_size) {
+            let entry = FieldPath(vec![PathStep::key("wind"), PathStep::Index(number)]);
+            let path = of_list.clone().unwrap_or_else(|| entry.clone());
+            let rasters = wind.rasters().map_err(|message| self.rule(&path, format!("`{entry}`: {message}")))?;
+            let Some(rasters) = rasters else {
+                let absent = [("speed_mps", wind.speed_mps), ("toward_deg", wind.toward_deg)];
+                if let Some((name, _)) = absent.into_iter().find(|(_, number)| number.is_nan()) {
+                    let fault = Fault::MissingField { name: name.into(), table: entry.to_string() };
+                    return Err(fault.at(self.location(&entry, KeyOrValue::Value)));
+                }
+                continue;
+            };
+            if !(wind.speed_mps.is_nan() && wind.toward_deg.is_nan()) && of_list.is_none() {
+                let message = format!("`{entry}` has rasters; expected no `speed_mps` and no `toward_deg` beside them");
+                return Err(self.rule(&path, message));
+            }
+            let keys = match rasters.kind {
+                WindRasterKind::SpeedFrom => ["speed", "from"],
+                WindRasterKind::SpeedToward => ["speed", "toward"],
+                WindRasterKind::EastNorth => ["east", "north"],
+            };
+            // Files of a list lie beside it.
+            let [first, second] = match of_list {
+                Some(_) => [rasters.first.to_owned(), rasters.second.to_owned()],
+                None => [(keys[0], rasters.first), (keys[1], rasters.second)]
+                    .map(|(key, file)| self.file(&entry.join(PathStep::key(key)), file)),
+            };
+            let rasters = WindRasters { first: &first, second: &second, ..rasters };
+            let field = rasters.read(&frame, layers).map_err(|message| self.rule(&path, message))?;
+            wind.set_field(&field);
         }
         Ok(())
     }

@@ -693,12 +693,7 @@ impl<'a> WeatherStream<'a> {
                 Err(_) if speed_mps == 0.0 => {}
                 Err(error) => return Err(error),
             }
-            winds.push(WindChange {
-                // The first row holds since before the start of the run.
-                at_s: (row.at_s - start_s).max(0.0),
-                speed_mps,
-                toward_deg: house_angle(from_deg),
-            });
+            winds.push(WindChange::uniform((row.at_s - start_s).max(0.0), speed_mps, house_angle(from_deg)));
         }
         Ok(winds)
     }

@@ -7,32 +7,47 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::{FuelModel, custom_number, written_number};
 
-/// A fuel model, or no fuel at all.
+/// A fuel model, by the number that landscapes hold, or no fuel at all: 0. That a custom model exists is checked apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FuelName(pub Option<&'static FuelModel>);
+pub struct FuelName(u8);
 
 impl FuelName {
     /// Returns the model of a code, such as `GR2`.
     pub(crate) fn from_code(code: &str) -> Self {
-        Self(Some(FuelModel::by_name(code).expect("it is a code of the table")))
+        Self::parse(code).expect("it is a code of the table")
+    }
+
+    /// Returns the model of a code or a number in digits; `None` if it is none.
+    pub fn parse(name: &str) -> Option<Self> {
+        let built_in = FuelModel::by_name(name).map(|model| model.number);
+        built_in.or_else(|| name.parse().ok().and_then(custom_number)).map(Self)
     }
 
     /// Returns the number that landscapes hold: 0 for nothing.
     pub fn number(self) -> u8 {
-        self.0.map_or(0, |model| model.number)
+        self.0
     }
 
     /// Says whether there is anything that burns.
     pub fn burns(self) -> bool {
-        self.0.is_some_and(FuelModel::burns)
+        // All custom models burn.
+        self.is_custom() || FuelModel::by_number(self.0).is_some_and(FuelModel::burns)
+    }
+
+    pub fn is_custom(self) -> bool {
+        custom_number(written_number(self.0).into()).is_some()
     }
 }
 
 impl fmt::Display for FuelName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.0.map_or("none", |model| model.code))
+        match FuelModel::by_number(self.0) {
+            Some(model) => f.write_str(&model.code),
+            None if self.0 == 0 => f.write_str("none"),
+            None => write!(f, "{}", written_number(self.0)),
+        }
     }
 }
 
@@ -59,15 +74,13 @@ impl Visitor<'_> for FuelNameVisitor {
 
     fn visit_str<E: Error>(self, name: &str) -> Result<FuelName, E> {
         if name == "none" {
-            return Ok(FuelName(None));
+            return Ok(FuelName(0));
         }
-        let model = FuelModel::by_name(name).ok_or_else(|| E::invalid_value(Unexpected::Str(name), &self))?;
-        Ok(FuelName(Some(model)))
+        FuelName::parse(name).ok_or_else(|| E::invalid_value(Unexpected::Str(name), &self))
     }
 
     fn visit_u64<E: Error>(self, number: u64) -> Result<FuelName, E> {
-        let model = u8::try_from(number).ok().and_then(FuelModel::by_number);
-        Ok(FuelName(Some(model.ok_or_else(|| E::invalid_value(Unexpected::Unsigned(number), &self))?)))
+        FuelName::parse(&number.to_string()).ok_or_else(|| E::invalid_value(Unexpected::Unsigned(number), &self))
     }
 
     fn visit_i64<E: Error>(self, number: i64) -> Result<FuelName, E> {
@@ -86,7 +99,7 @@ impl JsonSchema for FuelName {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "anyOf": [{ "type": "string" }, { "type": "integer", "minimum": 0, "maximum": 255 }] })
+        json_schema!({ "anyOf": [{ "type": "string" }, { "type": "integer", "minimum": 0, "maximum": 307 }] })
     }
 }
 
@@ -101,7 +114,8 @@ mod tests {
         assert_eq!(fuel("\"gr2\"").map(FuelName::number), Ok(102));
         assert_eq!(fuel("102").map(|fuel| fuel.to_string()), Ok("GR2".into()));
         assert_eq!(fuel("\"none\"").map(FuelName::number), Ok(0));
-        for wrong in ["\"GR22\"", "14", "-1", "100000", "true"] {
+        assert_eq!(fuel("257").map(|fuel| (fuel.number(), fuel.to_string())), Ok((205, "257".into())));
+        for wrong in ["\"GR22\"", "90", "205", "-1", "100000", "true"] {
             assert!(fuel(wrong).is_err(), "{wrong}");
         }
     }

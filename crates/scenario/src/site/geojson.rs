@@ -86,6 +86,48 @@ pub(crate) fn road_cells(
     Ok(shapes.crossed(frame, layers))
 }
 
+/// Reads the polygons of a GeoJSON text, in the same coordinates, and marks by 1 the cells whose middles are inside.
+///
+/// # Errors
+/// Fails if the text is not GeoJSON; or returns a sentence if no polygon has a cell of the field in it, if coordinates are in
+/// another system, or if a ring crosses itself.
+pub(crate) fn area_cells(
+    text: &str,
+    frame: &FieldFrame,
+    layers: Option<&ImportedLayers>,
+) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
+    let mut shapes = Shapes::default();
+    let mut json = serde_json::Deserializer::from_str(text);
+    Member(&mut shapes).deserialize(&mut json)?;
+    json.end()?;
+    Ok(shapes.inside(frame, layers))
+}
+
+/// Marks by 1 the cells that polygons of a GeoJSON text cover and those that its lines cross.
+///
+/// # Errors
+/// Fails as [`area_cells`] and [`road_cells`] do, with a sentence if the text has neither polygons nor lines.
+pub(crate) fn covered_cells(
+    text: &str,
+    frame: &FieldFrame,
+    layers: Option<&ImportedLayers>,
+) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
+    let area = area_cells(text, frame, layers)?;
+    let lines = road_cells(text, frame, layers)?;
+    Ok(match (area, lines) {
+        (Ok(area), Ok(lines)) => Ok(area.iter().zip(&lines).map(|(one, other)| one | other).collect()),
+        (Ok(cells), Err(_)) | (Err(_), Ok(cells)) => Ok(cells),
+        // What is wrong with polygons is said if there are any, as a file without lines has none that could be wrong.
+        (Err(area), Err(lines)) => Err(if area.starts_with(NO_POLYGON) { lines } else { area }),
+    })
+}
+
+/// The beginning of the sentence on a text without polygons.
+const NO_POLYGON: &str = "it has no polygon";
+
+/// Points of a ring up to which it is looked at for crossings: every pair of its edges is compared.
+const MAX_RING: usize = 5000;
+
 /// Polygons as lists of rings, rings as lists of points; or lines, which are lists of points like rings.
 #[derive(Default)]
 struct Shapes {
@@ -206,17 +248,62 @@ impl Shapes {
         Ok(())
     }
 
-    /// Marks the cells that lines cross.
-    fn crossed(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Vec<u8>, String> {
+    /// Marks the cells whose middles are inside polygons.
+    fn inside(mut self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Vec<u8>, String> {
         if self.points.is_empty() {
-            return Err("it has no line; expected a LineString or a MultiLineString".into());
+            return Err(format!("{NO_POLYGON}; expected a Polygon or a MultiPolygon"));
         }
-        if let Some(point) = self.points.iter().find(|point| point.abs().max_element() > 1e12) {
-            return Err(format!("a line goes through ({}, {}); expected metres up to 1e12", point.x, point.y));
+        let system = self.check_system(layers)?;
+        if let Some(at) = self.first_crossing() {
+            return Err(format!("a ring crosses itself at ({}, {}); expected rings that do not", at.x, at.y));
+        }
+        let (low, high) = self.bounds();
+        let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
+        self.points.iter_mut().for_each(|point| *point = (*point - corner) / frame.cell_m);
+        let mut inside = Grid::filled(frame.rows.into(), frame.cols.into(), false);
+        self.fill(&mut inside).map_err(|fault| fault.to_string())?;
+        if inside.values().contains(&true) {
+            return Ok(inside.values().iter().map(|&is_inside| u8::from(is_inside)).collect());
+        }
+        Err(format!(
+            "its polygons reach from ({}, {}) to ({}, {}), expected the middle of a cell inside, in the field of {} x {} m from \
+             ({}, {}) on, in {system}",
+            low.x,
+            low.y,
+            high.x,
+            high.y,
+            frame.width_m(),
+            frame.height_m(),
+            corner.x,
+            corner.y
+        ))
+    }
+
+    /// Returns where two edges of a ring cross that are not neighbours.
+    fn first_crossing(&self) -> Option<DVec2> {
+        (0..self.ring_ends.len()).find_map(|ring| {
+            let edges: Vec<(DVec2, DVec2)> = self.edges(ring..ring + 1).filter(|(a, b)| a != b).collect();
+            if edges.len() > MAX_RING {
+                return None;
+            }
+            edges.iter().enumerate().find_map(|(number, &(a, b))| {
+                edges[number + 1..].iter().find_map(|&(c, d)| {
+                    let [of_c, of_d] = [side(a, b, c), side(a, b, d)];
+                    // Strictly on both sides of each other, so that edges that only touch do not count.
+                    (of_c * of_d < 0.0 && side(c, d, a) * side(c, d, b) < 0.0)
+                        .then(|| c + (d - c) * (of_c / (of_c - of_d)))
+                })
+            })
+        })
+    }
+
+    /// Refuses coordinates that are not those of the field, and returns the name of these.
+    fn check_system(&self, layers: Option<&ImportedLayers>) -> Result<String, String> {
+        if let Some(point) = self.points.iter().find(|point| !(point.abs().max_element() <= 1e12)) {
+            return Err(format!("it has the point ({}, {}); expected metres up to 1e12", point.x, point.y));
         }
         let epsg = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);
         let system = epsg.map_or_else(|| "metres".to_owned(), |epsg| format!("metres of EPSG:{epsg}"));
-        let (low, high) = self.bounds();
         let found = match self.coordinates()? {
             Some(Coordinates::Degrees) => Some("longitude and latitude".to_owned()),
             Some(Coordinates::Lengths { unit_m }) if unit_m != 1.0 => Some(unit_name(unit_m)),
@@ -232,6 +319,16 @@ impl Shapes {
         {
             return Err(format!("it is in the coordinate system EPSG:{found}, expected EPSG:{expected}"));
         }
+        Ok(system)
+    }
+
+    /// Marks the cells that lines cross.
+    fn crossed(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Vec<u8>, String> {
+        if self.points.is_empty() {
+            return Err("it has no line; expected a LineString or a MultiLineString".into());
+        }
+        let system = self.check_system(layers)?;
+        let (low, high) = self.bounds();
         let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
         let mut cells = vec![0; frame.cell_count()];
         let mut left = MAX_CROSSINGS;
@@ -272,6 +369,11 @@ impl Shapes {
             points.iter().zip(points.iter().cycle().skip(1)).map(|(&a, &b)| (a, b))
         })
     }
+}
+
+/// Positive if a point lies to the left of the line from one to another.
+fn side(a: DVec2, b: DVec2, point: DVec2) -> f64 {
+    (b - a).perp_dot(point - a)
 }
 
 /// Lists the rows that a straight piece crosses, and the columns in each; its ends are in cells from the south-west corner.

@@ -19,7 +19,7 @@ use crate::faults::path::PathStep;
 use crate::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
 use wildfire_base::ranges;
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::{CanopyLayers, Landscape, Relief};
 use wildfire_grid::Grid;
 
@@ -65,6 +65,25 @@ pub struct LandscapeSettings {
     pub imported_roads: Option<PackedLayer>,
 }
 
+/// Cells that shapes of a file cover, with a fuel of their own: line that was built, a road, a treated stand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Barrier {
+    /// A GeoJSON file of polygons and lines, in metres of the landscape's rasters or, without any, of the field.
+    pub file: PathBuf,
+    /// The fuel of the cells; by default bare ground, over which fire does not spread.
+    #[serde(default = "bare_ground")]
+    pub fuel: FuelName,
+    /// 1 for the cells, 0 for others. Loading fills it in.
+    #[serde(rename = "given", default, skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    pub covered: Option<PackedLayer>,
+}
+
+fn bare_ground() -> FuelName {
+    FuelName::from_code("NB9")
+}
+
 impl Default for LandscapeSettings {
     fn default() -> Self {
         Self {
@@ -94,7 +113,7 @@ impl LandscapeSettings {
         self.blocks.iter().any(|name| name.number() == fuel)
     }
 
-    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame) -> Check {
+    pub(crate) fn check(&self, table: &TablePath, frame: &FieldFrame, fuels: &CustomFuels) -> Check {
         if let Some(place) = self.blocks.iter().position(|name| name.number() == 0) {
             let expected = "the code or number of a fuel model".into();
             return table.inner("blocks").refuse_step(PathStep::Index(place), "\"none\"".into(), expected);
@@ -109,7 +128,7 @@ impl LandscapeSettings {
                 expected,
             );
         }
-        if self.imported.as_ref().is_some_and(|imported| !imported.is_sound()) {
+        if self.imported.as_ref().is_some_and(|imported| !imported.is_sound(fuels)) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
         }
         if self.imported_roads.as_ref().is_some_and(|roads| roads.bytes(frame.cell_count()).is_none()) {
@@ -156,7 +175,8 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
         return Ok(None);
     }
     let everywhere = scenario.fire.rothermel.as_ref().map_or(0, |settings| settings.ground.number());
-    let Some(settings) = &scenario.landscape else { return Ok(Some(vec![everywhere; frame.cell_count()])) };
+    let usual = LandscapeSettings::default();
+    let settings = scenario.landscape.as_ref().unwrap_or(&usual);
     let ground = settings.imported.as_ref().map(|ground| ground.fuel_or(everywhere));
     let mut fuel = ground.unwrap_or_else(|| vec![everywhere; frame.cell_count()]);
     // The river keeps clear of starts, which it could otherwise flood.
@@ -168,6 +188,12 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     // Roads come after the river, so that those from a file cross it on bridges.
     let roads = settings.imported_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
     fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
+    for barrier in &scenario.barrier {
+        let covered = barrier.covered.as_ref().and_then(|it| it.bytes(frame.cell_count())).unwrap_or_default();
+        // Where nothing is known of the ground, nothing is built either.
+        let covered = fuel.iter_mut().zip(covered).filter(|(fuel, is_covered)| *is_covered == 1 && **fuel != 0);
+        covered.for_each(|(fuel, _)| *fuel = barrier.fuel.number());
+    }
     Ok(Some(fuel))
 }
 
@@ -197,7 +223,9 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
         }
         trees
     });
-    Ground { landscape: Landscape { frame, fuel, relief: relief(scenario, settings, seed, &frame), canopy }, blocked }
+    let relief = relief(scenario, settings, seed, &frame);
+    let custom_fuels = scenario.custom_fuels();
+    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels }, blocked }
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {

@@ -14,7 +14,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use serde::{Deserialize, Serialize};
 
 use wildfire_base::geometry::{FieldFrame, compass, ops};
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::{CustomFuels, FuelModel, custom_number};
 use wildfire_fire::{CanopyLayers, Relief};
 use wildfire_grid::map_files::raster::crs::{FOOT_M, US_SURVEY_FOOT_M};
 use wildfire_grid::map_files::raster::{self, Band, GeoKeys, MAX_RASTER_CELLS, MAX_RASTER_SIDE, Raster};
@@ -164,6 +164,8 @@ pub struct LayerReader {
     /// Which bands of files with several were taken for what.
     taken: Vec<String>,
     doubts: Vec<String>,
+    /// Fuel models beside the built-in ones.
+    custom_fuels: CustomFuels,
     /// Cells of the rim without data, as projected downloads have it: nothing grows there.
     outside: Vec<bool>,
     fuel: Option<Vec<u8>>,
@@ -174,6 +176,11 @@ pub struct LayerReader {
 }
 
 impl LayerReader {
+    /// Creates a reader of layers whose fuel may be of these models, too.
+    pub fn new(custom_fuels: CustomFuels) -> Self {
+        Self { custom_fuels, ..Self::default() }
+    }
+
     /// Reads a layer from a file and checks it, value by value and against those that were read before. Of a file with several
     /// bands the one is taken that holds this layer by its name, or by the order of LANDFIRE's products.
     ///
@@ -234,7 +241,7 @@ impl LayerReader {
                     Some("a value in every cell within its rim; gdal_fillnodata.py in.tif out.tif fills gaps")
                 }
                 true => Some("a value in every cell within its rim"),
-                false => kind.expects(value),
+                false => kind.expects(value, &self.custom_fuels),
             };
             if let Some(expected) = expected {
                 // The number itself is arbitrary and differs from file to file.
@@ -250,7 +257,10 @@ impl LayerReader {
             self.doubts.extend(doubt_of_trees(place, &values, &name));
         }
         match kind {
-            LayerKind::Fuel => self.fuel = Some(values.iter().map(|&number| number as u8).collect()),
+            LayerKind::Fuel => {
+                let stored = values.iter().map(|&value| custom_number(value as u32).unwrap_or(value as u8));
+                self.fuel = Some(stored.collect());
+            }
             LayerKind::Elevation => self.elevation = Some(values),
             LayerKind::Slope => self.slope = Some(values),
             LayerKind::Aspect => self.aspect = Some(values),
@@ -672,11 +682,12 @@ impl LayerKind {
     }
 
     /// Returns what is expected instead of a value; `None` if the value is right.
-    fn expects(self, value: f32) -> Option<&'static str> {
-        let is_fuel =
-            || value.fract() == 0.0 && (0.0..256.0).contains(&value) && { FuelModel::by_number(value as u8).is_some() };
+    fn expects(self, value: f32, custom_fuels: &CustomFuels) -> Option<&'static str> {
         match self {
-            Self::Fuel if is_fuel() => None,
+            Self::Fuel if is_fuel_model(value, custom_fuels) => None,
+            Self::Fuel if custom_number(value.max(0.0) as u32).is_some() && value.fract() == 0.0 => {
+                Some("a built-in fuel model or a custom one: no `[[fuel]]` and no `fuel_file` has this number")
+            }
             Self::Fuel => Some("the number of a fuel model: 1 to 13, 91, 92, 93, 98, 99, or 101 to 204"),
             Self::Elevation if (LOWEST_M..=HIGHEST_M).contains(&value) => None,
             Self::Elevation => Some("an elevation from -500 to 9000 m (are these feet?)"),
@@ -687,6 +698,17 @@ impl LayerKind {
             Self::Canopy(place) if value.fract() == 0.0 && (0.0..=CANOPY[place].0).contains(&value) => None,
             Self::Canopy(place) => Some(CANOPY[place].1),
         }
+    }
+}
+
+/// Says whether a value is the number of a built-in or a custom fuel model.
+fn is_fuel_model(value: f32, custom_fuels: &CustomFuels) -> bool {
+    if value.fract() != 0.0 || !(0.0..1000.0).contains(&value) {
+        return false;
+    }
+    match custom_number(value as u32) {
+        Some(number) => custom_fuels.model(number).is_some(),
+        None => value < 256.0 && FuelModel::by_number(value as u8).is_some(),
     }
 }
 
@@ -789,7 +811,7 @@ impl ImportedLayers {
     }
 
     /// Checks layers that were not read from rasters but from a plan.
-    pub(crate) fn is_sound(&self) -> bool {
+    pub(crate) fn is_sound(&self, fuels: &CustomFuels) -> bool {
         let FieldFrame { cols, rows, cell_m } = self.frame;
         let side_fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
         let is_whole = side_fits(cols) && side_fits(rows) && self.frame.cell_count() <= MAX_RASTER_CELLS;
@@ -800,7 +822,7 @@ impl ImportedLayers {
         let fuel_fits = |layer: &PackedLayer| {
             layer
                 .bytes(cells)
-                .is_some_and(|fuel| fuel.iter().all(|number| *number == 0 || FuelModel::by_number(*number).is_some()))
+                .is_some_and(|fuel| fuel.iter().all(|number| *number == 0 || fuels.model(*number).is_some()))
         };
         let numbers_fit =
             |layer: &PackedLayer| layer.numbers(cells).is_some_and(|numbers| numbers.iter().all(|n| n.is_finite()));
@@ -852,6 +874,25 @@ impl PackedLayer {
             .collect();
         let bytes: Vec<u8> = (0..4).flat_map(|place| differences.iter().map(move |bytes| bytes[place])).collect();
         Self::from_bytes(&bytes)
+    }
+
+    /// Packs differences of neighbours, their high bytes before their low ones.
+    pub(crate) fn from_integers(integers: &[i16]) -> Self {
+        let before = std::iter::once(0).chain(integers.iter().copied());
+        let differences: Vec<[u8; 2]> =
+            integers.iter().zip(before).map(|(number, before)| number.wrapping_sub(before).to_be_bytes()).collect();
+        let bytes: Vec<u8> = [0, 1].iter().flat_map(|&place| differences.iter().map(move |pair| pair[place])).collect();
+        Self::from_bytes(&bytes)
+    }
+
+    pub(crate) fn integers(&self, expected: usize) -> Option<Vec<i16>> {
+        let bytes = self.bytes(2 * expected)?;
+        let mut number = 0_i16;
+        let integers = (0..expected).map(|index| {
+            number = number.wrapping_add(i16::from_be_bytes([bytes[index], bytes[expected + index]]));
+            number
+        });
+        Some(integers.collect())
     }
 
     pub(crate) fn bytes(&self, expected: usize) -> Option<Vec<u8>> {
@@ -906,9 +947,11 @@ mod tests {
         assert_eq!(layers.relief(), Some(Relief::Elevation(heights.to_vec())));
         let written = serde_json::to_string(&layers).expect("it is text and numbers");
         let read: ImportedLayers = serde_json::from_str(&written).expect("it was written so");
-        assert!(read == layers && read.is_sound());
+        assert!(read == layers && read.is_sound(&CustomFuels::default()));
         let broken = written.replacen("\"fuel\":\"", "\"fuel\":\"AAAA", 1);
-        assert!(!serde_json::from_str::<ImportedLayers>(&broken).expect("it is text").is_sound());
+        assert!(
+            !serde_json::from_str::<ImportedLayers>(&broken).expect("it is text").is_sound(&CustomFuels::default())
+        );
     }
 
     #[test]
@@ -1008,7 +1051,7 @@ mod tests {
         let layers = reader.finish().expect("one was read");
         let fuel = layers.fuel_or(102);
         let relief = layers.relief().expect("there are heights");
-        let landscape = wildfire_fire::Landscape { frame: layers.frame, fuel, relief, canopy: None };
+        let landscape = wildfire_fire::Landscape { fuel, relief, ..wildfire_fire::Landscape::uniform(layers.frame, 0) };
         for index in 0..480 {
             let cell = layers.frame.cell(index);
             let outside = is_rim(30.0 * f32::from(cell.col), 30.0 * f32::from(cell.row));
@@ -1016,7 +1059,11 @@ mod tests {
             let apart = landscape.gradient(cell) - wildfire_base::geometry::DVec2::new(0.3, -0.1);
             assert!(outside || apart.length() < 1e-4, "{cell:?}: {apart}");
         }
-        assert!(layers.doubts[0].contains("cells at the rim of") && layers.is_sound(), "{:?}", layers.doubts);
+        assert!(
+            layers.doubts[0].contains("cells at the rim of") && layers.is_sound(&CustomFuels::default()),
+            "{:?}",
+            layers.doubts
+        );
         // The rim of the first raster holds for all; a gap within it is named, and so is a raster of nothing else.
         let fuel = file("fuel.asc", &layer(|east, north| if is_rim(east, north) { f32::NAN } else { 102.0 }));
         let gap = |east: f32, north: f32| if (east, north) == (300.0, 300.0) { f32::NAN } else { plane(east, north) };

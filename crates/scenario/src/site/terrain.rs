@@ -19,7 +19,6 @@ use crate::{Overlaps, Scenario, Shape};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng;
 use wildfire_fire::Landscape;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_grid::Grid;
 
 /// A field with its bushes.
@@ -57,10 +56,11 @@ impl Terrain {
 
     /// Iterates by index over the cells whose fuel burns, those with a bush and those without.
     pub fn with_fuel(&self) -> impl Iterator<Item = Cell> + '_ {
-        let fuels = self.landscape.iter().flat_map(|landscape| landscape.fuel.iter().enumerate());
-        fuels
-            .filter(|&(_, &fuel)| FuelModel::by_number(fuel).is_some_and(FuelModel::burns))
-            .map(|(index, _)| self.frame.cell(index))
+        self.landscape.iter().flat_map(|landscape| {
+            let burns = landscape.burning_numbers();
+            let fuels = landscape.fuel.iter().enumerate().filter(move |&(_, &fuel)| burns[usize::from(fuel)]);
+            fuels.map(|(index, _)| self.frame.cell(index))
+        })
     }
 
     /// Returns what Wumpuses and random ignitions may light, by index: the bushes, and all that burns if `ground` may be lit.

@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use rand::{Rng, RngExt};
 use schemars::JsonSchema;
@@ -14,13 +15,13 @@ use super::weather_csv::WeatherSample;
 use super::wind::{MAX_WIND_MPS, WindChange};
 use crate::Scenario;
 use crate::faults::check::{Check, MAX_CHANGES, TablePath};
-use wildfire_base::geometry::{DVec2, FieldFrame, ops};
+use wildfire_base::geometry::{DVec2, FieldFrame, compass, ops};
 use wildfire_base::input_file::list_of_at_most;
 use wildfire_base::ranges;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::surface::FuelMoisture;
-use wildfire_fire::{Weather, WeatherInterval};
+use wildfire_fire::{Weather, WeatherInterval, WindField};
 
 /// The driest that dead fuel gets by chance.
 const MIN_MOISTURE: f64 = 0.01;
@@ -126,7 +127,7 @@ impl WeatherSettings {
         self.rows.iter().enumerate().try_for_each(|(number, row)| {
             let table = table.inner("rows").item(number);
             table.settings(&row.moisture, frame)?;
-            let wind = row.wind.map(|[speed_mps, toward_deg]| WindChange { at_s: 0.0, speed_mps, toward_deg });
+            let wind = row.wind.map(|[speed_mps, toward_deg]| WindChange::uniform(0.0, speed_mps, toward_deg));
             table.settings(&wind, frame)
         })
     }
@@ -143,13 +144,14 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
     let usual = scenario.fire.rothermel.as_ref().map_or_else(FuelMoisture::default, |settings| settings.moisture);
     // From 0 s on there is a moisture, whatever the first change says.
     let mut moistures = vec![(0.0, usual)];
+    let mut change = FieldChange::default();
     if let Some(settings) = &scenario.weather {
         moistures.extend(settings.moisture.iter().map(|change| (change.at_s, change.moisture())));
         let mut rng = rng::stream(seed, "weather");
         // A drawn day replaces what the scenario says, as far as it has columns.
         if let Some(row) = settings.draw_row(&mut rng) {
             if let Some([speed_mps, toward_deg]) = row.wind {
-                winds = vec![WindChange { at_s: 0.0, speed_mps, toward_deg }];
+                winds = vec![WindChange::uniform(0.0, speed_mps, toward_deg)];
             }
             if let Some(moisture) = row.moisture {
                 moistures = vec![(0.0, moisture)];
@@ -161,6 +163,8 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
             wind.speed_mps = (wind.speed_mps + settings.speed_sd_mps * faster).clamp(0.0, MAX_WIND_MPS);
             wind.toward_deg += settings.toward_sd_deg * turned;
         }
+        change =
+            FieldChange { faster_mps: settings.speed_sd_mps * faster, turned_deg: settings.toward_sd_deg * turned };
         for (_, moisture) in &mut moistures {
             for dead in [&mut moisture.d1, &mut moisture.d10, &mut moisture.d100] {
                 // This applies only where it is uncertain: a moisture below 1 % that the scenario states must not be raised.
@@ -170,7 +174,44 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
             }
         }
     }
-    table(&winds, &moistures)
+    let weather = table(&winds, &moistures);
+    if winds.iter().all(|wind| wind.imported.is_none()) {
+        return weather;
+    }
+    let cells = scenario.field.frame().cell_count();
+    let fields: Vec<Option<Arc<WindField>>> =
+        winds.iter().map(|wind| Some(Arc::new(change.applied_to(wind.imported.as_ref()?.field(cells)?)))).collect();
+    // An interval may begin with a change of the moisture: it goes on with the wind of before.
+    let of_intervals = weather.intervals().iter().map(|interval| {
+        let wind = winds.iter().rposition(|wind| SimTime::from_seconds(wind.at_s) <= interval.from)?;
+        fields[wind].clone()
+    });
+    let of_intervals = of_intervals.collect();
+    weather.with_wind_fields(of_intervals)
+}
+
+/// What chance does to the winds of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct FieldChange {
+    faster_mps: f64,
+    turned_deg: f64,
+}
+
+impl FieldChange {
+    /// Changes all winds by place as it changes one that is everywhere the same.
+    fn applied_to(self, field: WindField) -> WindField {
+        if self == Self::default() {
+            return field;
+        }
+        let turn = compass::unit_toward(90.0 - self.turned_deg);
+        WindField::new((0..field.east.len()).map(|index| {
+            let wind = field.at(index);
+            let speed = ops::hypot(wind.x, wind.y);
+            let faster = (speed + self.faster_mps).clamp(0.0, MAX_WIND_MPS);
+            // Calm air has no direction that it could blow along.
+            if speed > 0.0 { turn.rotate(wind) * (faster / speed) } else { DVec2::ZERO }
+        }))
+    }
 }
 
 impl WeatherSettings {
@@ -236,7 +277,7 @@ mod tests {
     }
 
     fn wind(at_s: f64, speed_mps: f64, toward_deg: f64) -> WindChange {
-        WindChange { at_s, speed_mps, toward_deg }
+        WindChange::uniform(at_s, speed_mps, toward_deg)
     }
 
     fn moisture(at_s: f64, d1: f64) -> MoistureChange {

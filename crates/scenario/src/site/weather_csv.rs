@@ -53,7 +53,7 @@ pub(crate) fn read_wind(path: &Path, end_s: f64) -> Result<Vec<WindChange>, Stri
         table.check_count(changes.len() + 1)?;
         let speed_mps = table.number(&row, speed, 0.0, MAX_WIND_MPS)?;
         let toward_deg = house_angle(table.number(&row, from, -360.0, 360.0)?);
-        changes.push(WindChange { at_s, speed_mps, toward_deg });
+        changes.push(WindChange::uniform(at_s, speed_mps, toward_deg));
     }
     Ok(changes)
 }

@@ -11,8 +11,7 @@ use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
-use wildfire_fire::fuel::FuelModel;
-use wildfire_fire::{Landscape, Relief, WeatherInterval};
+use wildfire_fire::{Landscape, Relief, WeatherInterval, WindField};
 
 /// The maximum number of cells along a side of the field.
 pub const MAX_SIDE: usize = 4096;
@@ -138,6 +137,10 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
         wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
     };
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
+    let is_of_field =
+        |field: &WindField| field.east.len() == frame.cell_count() && field.north.len() == field.east.len();
+    let fits = weather.wind_fields().iter().flatten().all(|field| is_of_field(field));
+    require(fits, || "its winds do not fit its field".into())?;
     match spread {
         SpreadSetting::Rothermel { rules, .. } => {
             if rules.crowns.is_some_and(|crowns| !(0.0..=5.0).contains(&crowns.foliar_moisture)) {
@@ -168,7 +171,7 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
     require(is_finite, || "its landscape is not finite".into())?;
     // Looked up once for each of 256 numbers, not for each of a million cells.
     let is_valid: Vec<bool> =
-        (0..=u8::MAX).map(|number| number == 0 || FuelModel::by_number(number).is_some()).collect();
+        (0..=u8::MAX).map(|number| number == 0 || landscape.fuel_model(number).is_some()).collect();
     let stranger = landscape.fuel.iter().find(|&&number| !is_valid[usize::from(number)]);
     stranger.map_or(Ok(()), |number| require(false, || format!("its landscape has the unknown fuel model {number}")))
 }

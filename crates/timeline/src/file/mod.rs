@@ -176,7 +176,7 @@ fn encode_payload(timeline: &Timeline) -> Vec<u8> {
     append(&mut bytes, &SettingRecord::from(&timeline.setting));
     append(&mut bytes, &streams);
     append(&mut bytes, &SettingTail::from(&timeline.setting));
-    append(&mut bytes, &GroundSetting::from(&timeline.setting));
+    GroundSetting::from(&timeline.setting).append_to(&mut bytes);
     let log = (!timeline.ground.is_empty()).then(|| GroundWriter::new(&timeline.setting, &timeline.ground));
     append(&mut bytes, &log.as_ref().map(GroundWriter::record_of_all));
     append(&mut bytes, &timeline.setting.water.as_ref().map(WaterRecord::from));
@@ -198,7 +198,7 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let count = streams.facts as usize;
     check::limit("facts", count, check::MAX_FACTS)?;
     let supplement: SettingTail = take(&mut bytes)?;
-    let ground_setting: GroundSetting = take(&mut bytes)?;
+    let ground_setting = GroundSetting::take_from(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
     let (shares, line): (Vec<GroundSharesRecord>, Option<LineRules>) =
@@ -607,7 +607,7 @@ mod tests {
         };
         let cells = 0..frame.cell_count();
         let relief = Relief::Elevation(cells.clone().map(height).collect());
-        let landscape = Arc::new(Landscape { frame, fuel: cells.map(fuel).collect(), relief, canopy: None });
+        let landscape = Arc::new(Landscape { fuel: cells.map(fuel).collect(), relief, ..Landscape::uniform(frame, 0) });
         let weather = Arc::new(Weather::constant(DVec2::new(3.0, 1.0), FuelMoisture::default()));
         let rules = RothermelRules::default();
         let start = (SimTime::ZERO, Cell { col: 300, row: 450 });

@@ -12,10 +12,11 @@ use crate::{Setting, SpreadSetting};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::embers::{EmberSettings, Embers};
+use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
 use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
-use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval};
+use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval, WindField};
 
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
@@ -26,13 +27,45 @@ pub struct GroundSetting {
     /// Index of each blocked cell without a bush, less that of the one before it.
     blocked_steps: Vec<u32>,
     spread: Option<SpreadRecord>,
+    /// What `spread` stands for where that is [`SpreadRecord::Local`]: it follows, so that reading needs no recursion.
+    #[serde(skip)]
+    base: Option<SpreadRecord>,
 }
 
 #[derive(Serialize, Deserialize)]
 enum SpreadRecord {
-    Rothermel { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: RothermelRecord },
-    Alexandridis { landscape: LandscapeRecord, weather: Vec<IntervalRecord>, rules: AlexandridisRecord },
+    Rothermel {
+        landscape: LandscapeRecord,
+        weather: Vec<IntervalRecord>,
+        rules: RothermelRecord,
+    },
+    Alexandridis {
+        landscape: LandscapeRecord,
+        weather: Vec<IntervalRecord>,
+        rules: AlexandridisRecord,
+    },
     RothermelWithTrees(Box<(LandscapeRecord, Vec<IntervalRecord>, RothermelRecord, TreeRecord)>),
+    /// What only some landscapes and weathers have; one of the others follows.
+    Local(LocalRecord),
+}
+
+/// What only some landscapes and weathers have.
+#[derive(Serialize, Deserialize)]
+struct LocalRecord {
+    custom_fuels: Vec<FuelRecord>,
+    /// By interval of the weather, east and north in hundredths of m/s; empty where wind is everywhere the same.
+    winds: Vec<Option<[SurfaceRecord; 2]>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct FuelRecord {
+    number: u8,
+    code: String,
+    name: String,
+    /// Five loads and five ratios, the depth, the moisture of extinction, the heat of dead and of live fuel, as the equations
+    /// take them.
+    numbers: [f64; 14],
+    cures: bool,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -126,7 +159,18 @@ fn word_at<T: Copy>(values: &[T], place: u8) -> Result<T, FileError> {
 
 impl From<&Setting> for GroundSetting {
     fn from(setting: &Setting) -> Self {
-        let spread = setting.spread.as_ref().map(|spread| match spread {
+        let blocked_steps = steps(setting.frame, &setting.blocked);
+        let spread = setting.spread.as_ref().map(SpreadRecord::from);
+        match setting.spread.as_ref().and_then(LocalRecord::new) {
+            Some(local) => Self { blocked_steps, spread: Some(SpreadRecord::Local(local)), base: spread },
+            None => Self { blocked_steps, spread, base: None },
+        }
+    }
+}
+
+impl From<&SpreadSetting> for SpreadRecord {
+    fn from(spread: &SpreadSetting) -> Self {
+        match spread {
             SpreadSetting::Rothermel { landscape, weather, rules } => {
                 let trees = landscape.canopy.as_ref().zip(rules.crowns);
                 let trees = trees.map(|(trees, rules)| TreeRecord::new(trees, rules, landscape.frame));
@@ -134,17 +178,16 @@ impl From<&Setting> for GroundSetting {
                 let rules = RothermelRecord::from(rules);
                 let weather = weather.intervals().iter().map(IntervalRecord::from).collect();
                 match trees {
-                    Some(trees) => SpreadRecord::RothermelWithTrees(Box::new((landscape, weather, rules, trees))),
-                    None => SpreadRecord::Rothermel { landscape, weather, rules },
+                    Some(trees) => Self::RothermelWithTrees(Box::new((landscape, weather, rules, trees))),
+                    None => Self::Rothermel { landscape, weather, rules },
                 }
             }
-            SpreadSetting::Alexandridis { landscape, weather, rules } => SpreadRecord::Alexandridis {
+            SpreadSetting::Alexandridis { landscape, weather, rules } => Self::Alexandridis {
                 landscape: LandscapeRecord::from(&**landscape),
                 weather: weather.intervals().iter().map(IntervalRecord::from).collect(),
                 rules: AlexandridisRecord::from(rules),
             },
-        });
-        Self { blocked_steps: steps(setting.frame, &setting.blocked), spread }
+        }
     }
 }
 
@@ -156,13 +199,37 @@ impl GroundSetting {
 
     /// Returns the rules of fire on this field's ground; values have not been checked yet.
     pub fn spread(&self, frame: FieldFrame) -> Result<Option<SpreadSetting>, FileError> {
-        let spread = |record: &SpreadRecord| match record {
-            SpreadRecord::Rothermel { landscape, weather, rules } => Ok(SpreadSetting::Rothermel {
+        match (&self.spread, &self.base) {
+            (Some(SpreadRecord::Local(local)), Some(base)) => local.onto(base.spread(frame)?).map(Some),
+            (record, _) => record.as_ref().map(|record| record.spread(frame)).transpose(),
+        }
+    }
+
+    /// Adds it to the bytes of a payload.
+    pub fn append_to(&self, bytes: &mut Vec<u8>) {
+        append(bytes, self);
+        self.base.iter().for_each(|base| append(bytes, base));
+    }
+
+    /// Reads it from the front of some bytes.
+    pub fn take_from(bytes: &mut &[u8]) -> Result<Self, FileError> {
+        let mut setting: Self = take(bytes)?;
+        if matches!(setting.spread, Some(SpreadRecord::Local(_))) {
+            setting.base = Some(take(bytes)?);
+        }
+        Ok(setting)
+    }
+}
+
+impl SpreadRecord {
+    fn spread(&self, frame: FieldFrame) -> Result<SpreadSetting, FileError> {
+        match self {
+            Self::Rothermel { landscape, weather, rules } => Ok(SpreadSetting::Rothermel {
                 landscape: Arc::new(landscape.landscape(frame)?),
                 weather: Arc::new(weather_of(weather)?),
                 rules: rules.rules()?,
             }),
-            SpreadRecord::RothermelWithTrees(wood) => {
+            Self::RothermelWithTrees(wood) => {
                 let (landscape, weather, rules, trees) = &**wood;
                 let canopy = Some(trees.layers(frame)?);
                 Ok(SpreadSetting::Rothermel {
@@ -171,13 +238,84 @@ impl GroundSetting {
                     rules: RothermelRules { crowns: Some(trees.rules()?), ..rules.rules()? },
                 })
             }
-            SpreadRecord::Alexandridis { landscape, weather, rules } => Ok(SpreadSetting::Alexandridis {
+            Self::Alexandridis { landscape, weather, rules } => Ok(SpreadSetting::Alexandridis {
                 landscape: Arc::new(landscape.landscape(frame)?),
                 weather: Arc::new(weather_of(weather)?),
                 rules: rules.rules()?,
             }),
-        };
-        self.spread.as_ref().map(spread).transpose()
+            Self::Local(_) => Err(NO_LANDSCAPE),
+        }
+    }
+}
+
+impl LocalRecord {
+    /// `None` if a landscape and its weather have nothing of the kind.
+    fn new(spread: &SpreadSetting) -> Option<Self> {
+        let custom_fuels: Vec<_> = spread.landscape().custom_fuels.models().iter().map(FuelRecord::from).collect();
+        let cols = usize::from(spread.landscape().frame.cols);
+        let fields = spread.weather().wind_fields().iter();
+        let winds: Vec<_> = fields
+            .map(|field| {
+                let WindField { east, north } = field.as_deref()?;
+                Some([east, north].map(|parts| SurfaceRecord::new(cols, parts.iter().map(|&part| f32::from(part)))))
+            })
+            .collect();
+        (!custom_fuels.is_empty() || !winds.is_empty()).then_some(Self { custom_fuels, winds })
+    }
+
+    /// Adds it to the rest of a setting.
+    fn onto(&self, mut spread: SpreadSetting) -> Result<SpreadSetting, FileError> {
+        let models = self.custom_fuels.iter().map(FuelModel::from).collect();
+        let custom_fuels = CustomFuels::new(models).map_err(FileError::Impossible)?;
+        let (SpreadSetting::Rothermel { landscape, weather, .. }
+        | SpreadSetting::Alexandridis { landscape, weather, .. }) = &mut spread;
+        let frame = landscape.frame;
+        *landscape = Arc::new(Landscape { custom_fuels, ..Landscape::clone(landscape) });
+        if !self.winds.is_empty() {
+            if self.winds.len() != weather.intervals().len() {
+                return Err(FileError::Damaged("its winds by place are not those of its weather"));
+            }
+            let mut fields = Vec::with_capacity(self.winds.len());
+            for wind in &self.winds {
+                let field = match wind {
+                    Some([east, north]) => {
+                        Some(Arc::new(WindField { east: east.integers(frame)?, north: north.integers(frame)? }))
+                    }
+                    None => None,
+                };
+                fields.push(field);
+            }
+            *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
+        }
+        Ok(spread)
+    }
+}
+
+impl From<&FuelModel> for FuelRecord {
+    fn from(model: &FuelModel) -> Self {
+        let [a, b, c, d, e] = model.loads;
+        let [f, g, h, i, j] = model.savs;
+        let FuelModel { number, depth_ft, dead_extinction, heat_btu_lb, live_heat_btu_lb, cures, .. } = *model;
+        let numbers = [a, b, c, d, e, f, g, h, i, j, depth_ft, dead_extinction, heat_btu_lb, live_heat_btu_lb];
+        Self { number, code: model.code.to_string(), name: model.name.to_string(), numbers, cures }
+    }
+}
+
+impl From<&FuelRecord> for FuelModel {
+    fn from(record: &FuelRecord) -> Self {
+        let [a, b, c, d, e, f, g, h, i, j, depth_ft, dead_extinction, heat_btu_lb, live_heat_btu_lb] = record.numbers;
+        Self {
+            number: record.number,
+            code: record.code.clone().into(),
+            name: record.name.clone().into(),
+            loads: [a, b, c, d, e],
+            savs: [f, g, h, i, j],
+            depth_ft,
+            dead_extinction,
+            heat_btu_lb,
+            live_heat_btu_lb,
+            cures: record.cures,
+        }
     }
 }
 
@@ -225,7 +363,7 @@ impl LandscapeRecord {
                 Relief::Gradient(east.into_iter().zip(north).map(|(east, north)| [east, north]).collect())
             }
         };
-        Ok(Landscape { frame, fuel, relief, canopy: None })
+        Ok(Landscape { fuel, relief, ..Landscape::uniform(frame, 0) })
     }
 }
 
@@ -264,6 +402,12 @@ impl SurfaceRecord {
 
     fn numbers(&self, frame: FieldFrame) -> Result<Vec<f32>, FileError> {
         read_surface(frame.cols.into(), frame.cell_count(), &self.lengths, &self.bits)
+    }
+}
+
+impl SurfaceRecord {
+    fn integers(&self, frame: FieldFrame) -> Result<Vec<i16>, FileError> {
+        Ok(self.numbers(frame)?.into_iter().map(|number| number as i16).collect())
     }
 }
 

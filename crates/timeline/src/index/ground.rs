@@ -11,7 +11,6 @@ use std::sync::OnceLock;
 use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
-use wildfire_fire::fuel::FuelModel;
 
 /// The ground cells by state at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -300,6 +299,10 @@ impl GroundIndex {
         }
         spotted += ground.filter_map(of_ground).filter(|(_, cause)| matches!(cause, Cause::Spotted(_))).count() as u32;
         let cells_burned = self.first.windows(2).filter(|cell| cell[0] < cell[1]).count() as u32;
+        let reached_edge = self.reached_edge(timeline);
+        let last_ignition = self.last_ignition(timeline);
+        // A front between two cells leaves no fact: only a run that ended early has none left.
+        let is_contained = self.end < timeline.setting.rules.duration && reached_edge.is_none();
         GroundOutcome {
             cells: self.cells,
             burned: cells_burned,
@@ -307,9 +310,21 @@ impl GroundIndex {
             spotted,
             burned_ha: f64::from(cells_burned + bushes_burned) * self.frame.cell_m * self.frame.cell_m / 1e4,
             peak_burning: self.burning_counts().map(|(_, burning)| burning).max().unwrap_or(0),
-            reached_edge_s: self.reached_edge(timeline).map(SimTime::as_seconds),
+            reached_edge_s: reached_edge.map(SimTime::as_seconds),
+            contained_at_s: last_ignition.filter(|_| is_contained).map(SimTime::as_seconds),
+            escaped: last_ignition.map(|_| !is_contained),
             line: self.line,
         }
+    }
+
+    /// Returns when a cell last caught fire; `None` if none did, or if agents light fires.
+    fn last_ignition(&self, timeline: &Timeline) -> Option<SimTime> {
+        if timeline.setting.agents.iter().any(|agent| agent.id.role.lights()) {
+            return None;
+        }
+        let ground = timeline.ground.iter().rev().find(|event| matches!(event.fact, GroundFact::Ignited(_)));
+        let bush = timeline.events.iter().rev().find(|event| event.fact.ignition().is_some());
+        ground.map(|event| event.time).max(bush.map(|event| event.time)).filter(|&time| time <= self.end)
     }
 
     /// Returns when a cell at the border of the field first caught fire.
@@ -347,12 +362,11 @@ impl FireEnds<'_> {
 
 /// Says of each cell, by index, whether it is ground that burns.
 fn ground_cells(setting: &Setting) -> Vec<bool> {
-    // A landscape has a million cells, but only 256 numbers to look up.
-    let burns: Vec<bool> =
-        (0..=u8::MAX).map(|number| FuelModel::by_number(number).is_some_and(FuelModel::burns)).collect();
-    let fuels = setting.spread.iter().flat_map(|spread| &spread.landscape().fuel);
-    let mut is_ground: Vec<bool> = fuels.map(|&number| burns[usize::from(number)]).collect();
-    // A cell with a bush burns as a bush, whatever grows on its ground.
+    let mut is_ground = Vec::new();
+    if let Some(spread) = &setting.spread {
+        let burns = spread.landscape().burning_numbers();
+        is_ground.extend(spread.landscape().fuel.iter().map(|&number| burns[usize::from(number)]));
+    }
     for &bush in &setting.bushes {
         is_ground[setting.frame.index(bush)] = false;
     }
@@ -453,6 +467,33 @@ mod tests {
     }
 
     #[test]
+    fn fire_is_contained_if_all_is_out_before_the_end_and_none_reached_the_border() {
+        let mut timeline = sample::on_ground();
+        timeline.setting.agents.retain(|agent| !agent.id.role.lights());
+        let outcome = |timeline: &Timeline| GroundIndex::new(timeline).expect("it has ground").outcome(timeline);
+        let last_s = timeline.ground.iter().filter(|event| matches!(event.fact, GroundFact::Ignited(_))).next_back();
+        let last_s = last_s.expect("ground burns").time.as_seconds();
+        timeline.setting.rules.duration = timeline.end_time() + seconds(1.0);
+        assert_eq!(
+            (outcome(&timeline).contained_at_s, outcome(&timeline).escaped),
+            (None, Some(true)),
+            "at the border"
+        );
+        let frame = timeline.setting.frame;
+        let is_inside =
+            |cell: Cell| cell.col > 0 && cell.row > 0 && cell.col + 1 < frame.cols && cell.row + 1 < frame.rows;
+        timeline.ground.retain(|event| is_inside(event.cell));
+        timeline.events.retain(|event| event.fact.ignition().is_none_or(|(cell, _)| is_inside(cell)));
+        let found = outcome(&timeline);
+        assert!(found.contained_at_s.is_some_and(|at_s| at_s <= last_s) && found.escaped == Some(false), "{found:?}");
+        timeline.setting.rules.duration = timeline.end_time();
+        assert_eq!((outcome(&timeline).contained_at_s, outcome(&timeline).escaped), (None, Some(true)), "at the end");
+        timeline.setting.agents = sample::on_ground().setting.agents;
+        let has_lighters = timeline.setting.agents.iter().any(|agent| agent.id.role.lights());
+        assert_eq!(outcome(&timeline).escaped.is_none(), has_lighters);
+    }
+
+    #[test]
     fn a_run_written_by_hand_has_this_ground() {
         let timeline = sample::on_ground();
         let ground = GroundIndex::new(&timeline).expect("it has ground");
@@ -465,6 +506,8 @@ mod tests {
             burned_ha: 12.0 * 25.0 / 1e4,
             peak_burning: 6,
             reached_edge_s: Some(40.0),
+            contained_at_s: None,
+            escaped: outcome.escaped,
             line: None,
         };
         assert_eq!(outcome, expected);

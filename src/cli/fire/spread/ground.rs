@@ -8,21 +8,23 @@ use crate::cli::error::CliError;
 use crate::cli::fire::options::no_such_fuel;
 use crate::cli::map_of::EarthPlace;
 use wildfire_base::geometry::FieldFrame;
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::CustomFuels;
 use wildfire_fire::lone::LoneFire;
-use wildfire_fire::{Landscape, Relief};
-use wildfire_scenario::{ImportedLayers, LayerKind, LayerReader, bytes_text};
+use wildfire_fire::{Landscape, Relief, Weather};
+use wildfire_scenario::{FuelName, ImportedLayers, LayerKind, LayerReader, bytes_text, read_fuels};
 
 /// Where the ground is read from.
 pub struct GroundSources<'a> {
     /// The fuel that is everywhere, where no raster has fuels.
     fuel: u8,
     pub rasters: Vec<(LayerKind, &'a Path)>,
+    custom_fuels: CustomFuels,
 }
 
 /// A landscape with its place on earth.
 pub struct GroundOnEarth {
     pub landscape: Arc<Landscape>,
+    pub weather: Arc<Weather>,
     pub place: EarthPlace,
     /// Which bands were taken for what.
     pub bands: Vec<String>,
@@ -38,14 +40,18 @@ impl<'a> GroundSources<'a> {
         };
         let elevation = arguments.elevation.as_deref().map(|path| (LayerKind::Elevation, path));
         let mut rasters: Vec<_> = elevation.into_iter().chain(arguments.canopy.rasters()).collect();
-        // A fuel model comes first: a file that is called `GR2` can still be named with a folder.
-        if let Some(model) = FuelModel::by_name(name.trim()) {
-            return Ok(Self { fuel: model.number, rasters });
+        let custom_fuels = match &arguments.fuel_models {
+            Some(path) => read_fuels(path).and_then(CustomFuels::new).map_err(|it| CliError::bad_input(it, None))?,
+            None => CustomFuels::default(),
+        };
+        let fuel = FuelName::parse(name.trim()).map(FuelName::number);
+        if let Some(fuel) = fuel.filter(|&number| custom_fuels.model(number).is_some()) {
+            return Ok(Self { fuel, rasters, custom_fuels });
         }
         let path = Path::new(name);
         if path.extension().is_some() || path.exists() {
             rasters.insert(0, (LayerKind::Fuel, path));
-            return Ok(Self { fuel: 0, rasters });
+            return Ok(Self { fuel: 0, rasters, custom_fuels });
         }
         let expected = no_such_fuel(name);
         let sentence = format!("--fuel {name}: expected {expected}, or a raster (.asc, .tif)");
@@ -55,7 +61,7 @@ impl<'a> GroundSources<'a> {
     /// Reads the rasters, whose sides and cells must be those that were given.
     pub fn read(&self, arguments: &SpreadArguments) -> Result<GroundOnEarth, CliError> {
         let refused = |sentence: String| CliError::bad_input(sentence, None);
-        let mut layers = LayerReader::default();
+        let mut layers = LayerReader::new(self.custom_fuels.clone());
         for &(kind, path) in &self.rasters {
             layers.read(kind, path).map_err(refused)?;
         }
@@ -78,10 +84,12 @@ impl<'a> GroundSources<'a> {
             fuel: fuel.unwrap_or_else(|| vec![self.fuel; frame.cell_count()]),
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
+            custom_fuels: self.custom_fuels.clone(),
         };
+        let weather = Arc::new(arguments.weather_on(&frame, layers.as_ref())?);
         let place = layers.as_ref().map_or_else(EarthPlace::default, EarthPlace::from_layers);
         let (bands, doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
-        Ok(GroundOnEarth { landscape: Arc::new(landscape), place, bands, doubts })
+        Ok(GroundOnEarth { landscape: Arc::new(landscape), weather, place, bands, doubts })
     }
 }
 

@@ -10,6 +10,7 @@ mod rothermel;
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
@@ -17,7 +18,9 @@ use automaton_arguments::AutomatonArguments;
 use canopy::CanopyArguments;
 use perimeters::PerimeterArguments;
 
-use super::options::{ChoiceArguments, MAX_SECONDS, SlopeArguments, WindStep, WindSteps, cell, moisture, wind_steps};
+use super::options::{
+    ChoiceArguments, MAX_SECONDS, SlopeArguments, WindStep, WindSteps, cell, choice, moisture, wind_steps,
+};
 use crate::cli::error::CliError;
 use crate::cli::numbers;
 use crate::cli::report::FormArguments;
@@ -26,7 +29,7 @@ use wildfire_base::time::SimTime;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::FuelMoisture;
 use wildfire_fire::{Weather, WeatherInterval};
-use wildfire_scenario::MemoryLimit;
+use wildfire_scenario::{ImportedLayers, MemoryLimit, TimedWindField, WindRasterKind, WindRasters, WindUnits};
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;
@@ -65,6 +68,9 @@ pub struct SpreadArguments {
     /// Code or number of a fuel model, or a raster of numbers: ESRI ASCII (.asc) or GeoTIFF (.tif).
     #[arg(long, value_name = "NAME|FILE")]
     pub fuel: Option<String>,
+    /// Custom fuel models: a .fmd file of FARSITE or a CSV table of ELMFIRE.
+    #[arg(long, value_name = "FILE")]
+    pub fuel_models: Option<PathBuf>,
     /// Rows of the field; rasters have their own [default: 201].
     #[arg(long, value_name = "N", value_parser = side)]
     pub rows: Option<u16>,
@@ -92,6 +98,17 @@ pub struct SpreadArguments {
     /// later seconds, such as 2.5@270,4800:3@180 [default: none].
     #[arg(long, value_name = "M/S@FROM,SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
     pub wind: Option<WindSteps>,
+    /// Wind by place instead: a raster of speeds in m/s at 10 m, and one of the azimuths it blows from.
+    #[arg(long, value_name = "FILE", requires = "wind_from", conflicts_with_all = ["wind", "wind_list"])]
+    pub wind_speed: Option<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "wind_speed", hide_short_help = true)]
+    pub wind_from: Option<PathBuf>,
+    /// Unit and height of --wind-speed: si is m/s at 10 m, english mph at 20 ft, metric km/h at 10 m.
+    #[arg(long, value_name = "NAME", default_value = "si", value_parser = choice::<WindUnits>(&["si", "english", "metric"]))]
+    pub wind_units: WindUnits,
+    /// Winds by place and time: a list of rasters (.atm) of WindNinja or FARSITE.
+    #[arg(long, value_name = "FILE", conflicts_with = "wind")]
+    pub wind_list: Option<PathBuf>,
     /// Cell to ignite, at the start or some seconds later; may be repeated [default: the middle cell].
     #[arg(long, value_name = "ROW,COL[@SECONDS]", allow_hyphen_values = true, value_parser = ignition)]
     pub ignite: Vec<TimedIgnition>,
@@ -209,6 +226,26 @@ impl SpreadArguments {
         Weather::new(intervals).expect("winds begin at 0 and rise in time")
     }
 
+    /// Returns the weather of a field, by place where rasters say so.
+    fn weather_on(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Weather, CliError> {
+        let refused = |message: String| CliError::bad_input(message, None);
+        let rasters = self.wind_speed.as_deref().zip(self.wind_from.as_deref());
+        let fields = match (rasters, &self.wind_list) {
+            (Some((first, second)), _) => {
+                let rasters = WindRasters { first, second, kind: WindRasterKind::SpeedFrom, units: self.wind_units };
+                vec![TimedWindField { from: SimTime::ZERO, field: rasters.read(frame, layers).map_err(refused)? }]
+            }
+            (None, Some(list)) => TimedWindField::read_list(list, self.duration, frame, layers).map_err(refused)?,
+            (None, None) => return Ok(self.weather()),
+        };
+        let intervals = fields.iter().map(|it| {
+            let wind_mps = it.field.mean();
+            WeatherInterval { from: it.from, wind_mps, moisture: self.moisture }
+        });
+        let weather = Weather::new(intervals.collect()).map_err(|error| refused(error.to_string()))?;
+        Ok(weather.with_wind_fields(fields.into_iter().map(|it| Some(Arc::new(it.field))).collect()))
+    }
+
     /// Refuses options of the other model.
     fn check_model(&self) -> Result<(), CliError> {
         let (options, model) = match self.model {
@@ -220,9 +257,10 @@ impl SpreadArguments {
                 let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];
                 let trees = [("--canopy-height", self.canopy.canopy_height.is_some())];
                 let bands = ("--bands", self.bands.is_some());
+                let winds = [("--wind-speed", self.wind_speed.is_some()), ("--wind-list", self.wind_list.is_some())];
                 let outputs = [("--arrival", self.arrival.is_some()), bands, ("--png", self.png.is_some())];
                 let perimeters = [("--perimeters", self.perimeters.perimeters.is_some())];
-                ([&rasters[..], &trees, &outputs, &perimeters].concat(), "rothermel")
+                ([&rasters[..], &trees, &outputs, &perimeters, &winds].concat(), "rothermel")
             }
         };
         // An option without effect would leave its user believing that it was taken into account.

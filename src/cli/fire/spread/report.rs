@@ -4,19 +4,19 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::SpreadArguments;
 use super::ground::GroundOnEarth;
+use super::{SpreadArguments, WindStep};
 use wildfire_base::document::number::{count, percent, rounded, short};
 use wildfire_base::document::{Document, Table};
 use wildfire_base::geometry::{Cell, compass};
 use wildfire_base::object::Members;
 use wildfire_base::time::SimTime;
 use wildfire_batch::plan::PROGRAM_VERSION;
-use wildfire_fire::Landscape;
-use wildfire_fire::fuel::FuelModel;
+use wildfire_fire::fuel::written_number;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::surface::crown::FireType;
 use wildfire_fire::surface::{FuelBed, FuelMoisture, SurfaceOptions};
+use wildfire_fire::{Landscape, Weather, WeatherInterval};
 
 /// What is said of a fire.
 #[derive(Debug, Serialize)]
@@ -34,7 +34,7 @@ pub struct SpreadReport {
     /// Codes of the fuels and the cells that have them, the most frequent first.
     fuels: Vec<FuelRow>,
     /// Codes of fuels that are too wet to burn.
-    too_wet: Vec<&'static str>,
+    too_wet: Vec<String>,
     moisture: FuelMoisture,
     winds: Vec<WindRow>,
     #[serde(flatten)]
@@ -65,8 +65,8 @@ pub struct SpreadReport {
 
 #[derive(Debug, Serialize)]
 struct FuelRow {
-    number: u8,
-    code: &'static str,
+    number: u16,
+    code: String,
     cells: usize,
 }
 
@@ -75,6 +75,9 @@ struct WindRow {
     from_s: f64,
     speed_mps: f64,
     from_deg: f64,
+    /// Of wind by place the least and the greatest speed; the others are of its mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speeds_mps: Option<[f64; 2]>,
 }
 
 #[derive(Debug, Serialize)]
@@ -119,10 +122,8 @@ impl SpreadReport {
         let reached_edge = burned().filter(|&(cell, _)| is_border(cell)).map(|(_, time)| time).min();
         let options = arguments.choices.options();
         let fuels = shares(landscape);
-        let too_wet = fuels
-            .iter()
-            .filter_map(|share| FuelModel::by_number(share.number))
-            .filter(|model| model.burns() && !FuelBed::new(model, &arguments.moisture, options.curing).burns());
+        let models = landscape.burning_models();
+        let too_wet = models.iter().filter(|model| !FuelBed::new(model, &arguments.moisture, options.curing).burns());
         Self {
             program_version: PROGRAM_VERSION,
             rows: frame.rows,
@@ -130,16 +131,10 @@ impl SpreadReport {
             cell_m: frame.cell_m,
             bands: ground.bands.clone(),
             doubts: ground.doubts.clone(),
-            too_wet: too_wet.map(|model| model.code).collect(),
+            too_wet: too_wet.map(|model| model.code.to_string()).collect(),
             fuels,
             moisture: arguments.moisture,
-            winds: (arguments.winds().iter())
-                .map(|wind| WindRow {
-                    from_s: wind.from.as_seconds(),
-                    speed_mps: wind.speed_mps,
-                    from_deg: wind.from_deg,
-                })
-                .collect(),
+            winds: winds(arguments, &ground.weather),
             options,
             neighbours: arguments.neighbours.into(),
             duration_s: arguments.duration,
@@ -164,7 +159,7 @@ impl SpreadReport {
     /// The title of the report and of the picture.
     pub fn title(&self) -> String {
         let fuel = match &self.fuels[..] {
-            [only] => only.code.to_owned(),
+            [only] => only.code.clone(),
             fuels => count(fuels.len(), "fuel"),
         };
         format!("Fire in {fuel}, {}", minutes(self.duration_s))
@@ -199,6 +194,12 @@ impl SpreadReport {
                 0.0 => "none".to_owned(),
                 speed => format!("{} m/s from {}", short(speed), short(wind.from_deg)),
             };
+            let blows = match wind.speeds_mps {
+                Some([min, max]) => {
+                    format!("by place {} to {} m/s, on average {blows}", rounded(min, 1), rounded(max, 1))
+                }
+                None => blows,
+            };
             if wind.from_s > 0.0 { format!("{blows} after {}", minutes(wind.from_s)) } else { blows }
         });
         let winds = winds.collect::<Vec<_>>().join(", ");
@@ -207,6 +208,26 @@ impl SpreadReport {
         lines.push(format!("Wind at 10 m: {winds}{more}"));
         lines
     }
+}
+
+/// Lists the winds that were given, or those of rasters.
+fn winds(arguments: &SpreadArguments, weather: &Weather) -> Vec<WindRow> {
+    if !weather.is_local() {
+        let winds = arguments.winds().into_iter().map(|WindStep { from, speed_mps, from_deg }| WindRow {
+            from_s: from.as_seconds(),
+            speed_mps,
+            from_deg,
+            speeds_mps: None,
+        });
+        return winds.collect();
+    }
+    let winds = weather.intervals().iter().enumerate().map(|(number, interval): (usize, &WeatherInterval)| WindRow {
+        from_s: interval.from.as_seconds(),
+        speed_mps: (100.0 * interval.wind_mps.length()).round() / 100.0,
+        from_deg: compass::azimuth_deg(-interval.wind_mps).round(),
+        speeds_mps: weather.wind_field(number).map(|field| field.speeds().map(|mps| (100.0 * mps).round() / 100.0)),
+    });
+    winds.collect()
 }
 
 /// Counts the cells of each fuel.
@@ -218,8 +239,8 @@ fn shares(landscape: &Landscape) -> Vec<FuelRow> {
     let there = (0..=u8::MAX).filter(|&number| cells[usize::from(number)] > 0);
     let mut shares: Vec<FuelRow> = there
         .map(|number| {
-            let code = FuelModel::by_number(number).map_or("none", |model| model.code);
-            FuelRow { number, code, cells: cells[usize::from(number)] }
+            let code = landscape.fuel_model(number).map_or("none".to_owned(), |model| model.code.to_string());
+            FuelRow { number: written_number(number), code, cells: cells[usize::from(number)] }
         })
         .collect();
     shares.sort_by_key(|share| (std::cmp::Reverse(share.cells), share.number));

@@ -14,7 +14,6 @@ use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_fire::Landscape;
-use wildfire_fire::fuel::FuelModel;
 use wildfire_fire::lone::LoneFire;
 use wildfire_fire::models::RothermelRules;
 use wildfire_grid::map_files::raster;
@@ -25,7 +24,12 @@ use wildfire_timeline::{Cause, FireBehavior};
 /// Lets a fire spread by Rothermel's equations.
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let sources = GroundSources::new(arguments)?;
-    let inputs = sources.rasters.iter().map(|&(_, path)| path).collect();
+    let inputs = sources.rasters.iter().map(|&(_, path)| path).chain(
+        [&arguments.fuel_models, &arguments.wind_speed, &arguments.wind_from, &arguments.wind_list]
+            .into_iter()
+            .filter_map(|file| file.as_deref()),
+    );
+    let inputs = inputs.collect();
     let format = raster_format(arguments.arrival.as_deref());
     let times_s = arguments.perimeters.times_s(arguments.duration)?;
     let stream = Files { inputs, form: arguments.form, ..Files::default() }
@@ -39,7 +43,6 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
         .check()?;
     let ground = sources.read(arguments)?;
     let ignitions = ignitions(arguments, &ground.landscape)?;
-    let weather = arguments.weather();
     let rules = RothermelRules {
         options: arguments.choices.options(),
         neighbours: arguments.neighbours,
@@ -50,7 +53,7 @@ pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     if !quiet {
         ground.doubts.iter().for_each(|doubt| terminal::note(doubt));
     }
-    let weather = Arc::new(weather);
+    let weather = Arc::clone(&ground.weather);
     let mut fire = LoneFire::new(Arc::clone(&landscape), Arc::clone(&weather), rules, &ignitions);
     // Only the fire is timed: reading rasters depends on the disk.
     let mut stopwatch = CpuStopwatch::start();
@@ -133,12 +136,11 @@ fn raster_format(path: Option<&Path>) -> Format {
 fn ignitions(arguments: &SpreadArguments, landscape: &Landscape) -> Result<Vec<(SimTime, Cell)>, CliError> {
     let ignitions = arguments.ignitions(landscape.frame)?.into_iter().map(|start| {
         let fuel = landscape.fuel_number(start.cell);
-        if FuelModel::by_number(fuel).is_some_and(FuelModel::burns) {
+        if landscape.burning_model(start.cell).is_some() {
             return Ok((SimTime::from_seconds(start.seconds), start.cell));
         }
         let Cell { col, row } = start.cell;
-        // `and` keeps the first error, after everything that could be written was written.
-        let sentence = match FuelModel::by_number(fuel) {
+        let sentence = match landscape.fuel_model(fuel) {
             Some(model) => format!("--ignite {row},{col}: this cell cannot burn, its fuel is {fuel}, {}", model.name),
             None => format!("--ignite {row},{col}: this cell cannot burn, it has no fuel"),
         };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::directions::DirectionSet;
 use super::queue::{ArrivalQueue, NEVER};
-use super::rates::{BARRIER, Pair, Rates, Spreading, vector};
+use super::rates::{BARRIER, Pair, Rates, Spreading, length_on, vector};
 use super::rules::RothermelRules;
 use super::template::{Edge, Template};
 use crate::surface::crown::FireType;
@@ -27,6 +27,8 @@ const DUE: u8 = 16;
 const NEAR_SOURCE: u8 = 32;
 /// All cells in reach of the ways from it are of its fuel.
 const UNIFORM: u8 = 64;
+/// The longest way, in columns or rows, along which wind by place is taken from its two ends.
+const MAX_SMOOTH: i32 = 3;
 /// Flags that stay when a cell changes.
 const NEAR: u8 = NEAR_DELAY | NEAR_SOURCE | UNIFORM;
 
@@ -225,6 +227,8 @@ pub struct Front {
     rates: Rates,
     rules: RothermelRules,
     template: Template,
+    /// By way, its length on the slope, where only the wind differs from place to place; else empty.
+    lengths: Vec<f64>,
     interval: WeatherSpan,
     queue: ArrivalQueue,
     /// What was due last, and when.
@@ -241,12 +245,16 @@ impl Front {
         let cells = Cells::new(&landscape, reach, |number| rates.fuel(number));
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
         let template = Template::new(&directions, cells.stride, landscape.frame.cell_m, plane);
+        let gradient = rates.smooth_gradient();
+        let lengths = gradient
+            .map(|gradient| template.vectors.iter().map(|&v| length_on(gradient, v)).collect())
+            .unwrap_or_default();
         // Of no time: it is entered with the first ignition.
         let interval = WeatherSpan { number: 0, from: NEVER, until: 0, tables: Vec::new() };
         let queue = ArrivalQueue::default();
         let due = Vec::new();
         let due_at = 0;
-        Self { cells, rates, rules, template, interval, queue, due, due_at }
+        Self { cells, rates, rules, template, lengths, interval, queue, due, due_at }
     }
 
     /// Returns the next plan.
@@ -352,6 +360,8 @@ impl Front {
         // On a plane the times along all ways are in a table, which relief cannot have.
         if self.rates.is_plane() {
             self.spread_on_plane_from(index, now);
+        } else if !self.lengths.is_empty() {
+            self.spread_in_smooth_wind_from(index, now);
         } else {
             self.spread_on_relief_from(index, now);
         }
@@ -518,6 +528,92 @@ impl Front {
         }
     }
 
+    /// Offers times to all neighbours of a cell that has just caught fire, where only the wind differs from place to place, and
+    /// far from delays: what [`arrival_along`] and [`two_point_arrival`] say, without looking at any cell twice.
+    fn spread_in_smooth_wind_from(&mut self, from: usize, now: u64) {
+        let Self { cells, rates, template, lengths, interval, queue, .. } = self;
+        let set = template.set(interval.number);
+        let count = set.ways.len();
+        let here = spreading(rates, cells, interval.number, from);
+        for (place, number) in set.numbers().enumerate() {
+            let way = &template.ways[number];
+            let to = from.wrapping_add_signed(way.end);
+            let fuel = cells.fuel[to];
+            if fuel == BARRIER || cells.has_burned(to) {
+                continue;
+            }
+            let crossing = cells.crossing(from, way, fuel);
+            if crossing == Crossing::Blocked {
+                continue;
+            }
+            let there = spreading(rates, cells, interval.number, to);
+            let v = template.vectors[number];
+            let is_smooth = is_short(way) && crossing == Crossing::Uniform;
+            let along = there.seconds_over(lengths[number], v);
+            let mut seconds = f64::NAN;
+            let mut time = NEVER;
+            if is_smooth {
+                seconds = 0.5 * (here.seconds_over(lengths[number], v) + along);
+                time = now.saturating_add(nanos(seconds));
+            }
+            // Longer ways, and those into another weather, are summed piece by piece.
+            if !is_smooth || time > interval.until && cells.time[to] > interval.until {
+                time = arrival_along(rates, cells, from, way, now);
+            }
+            offer(cells, queue, to, time, number);
+            if crossing != Crossing::Uniform || there.slowness == f64::INFINITY {
+                continue;
+            }
+            let before = if place == 0 { count - 1 } else { place - 1 };
+            let after = if place + 1 == count { 0 } else { place + 1 };
+            for (first_place, other_place) in [(before, before), (place, after)] {
+                let other_number = usize::from(set.ways[other_place]);
+                let other_way = &template.ways[other_number];
+                let beside = to.wrapping_add_signed(-other_way.end);
+                if !cells.has_burned(beside) {
+                    continue;
+                }
+                let current = EdgeStart { index: from, way: number };
+                let other = EdgeStart { index: beside, way: other_number };
+                let ends = if first_place == place { [current, other] } else { [other, current] };
+                let mut is_in_interval = is_smooth && is_short(other_way);
+                let mut two_point = NEVER;
+                if is_in_interval {
+                    let other_v = template.vectors[other_number];
+                    let other_along = there.seconds_over(lengths[other_number], other_v);
+                    let other_here = spreading(rates, cells, interval.number, beside);
+                    let other_seconds = 0.5 * (other_here.seconds_over(lengths[other_number], other_v) + other_along);
+                    let of_current = (seconds - along, there.drift_seconds(v));
+                    let of_other = (other_seconds - other_along, there.drift_seconds(other_v));
+                    let [first, second] =
+                        if first_place == place { [of_current, of_other] } else { [of_other, of_current] };
+                    let [first_time, second_time] = ends.map(|end| cells.time[end.index]);
+                    let mut later = seconds_between(first_time, second_time) - (second.1 - first.1);
+                    later += second.0 - first.0;
+                    let pair = &set.pairs[first_place];
+                    if !pair.is_between(there.slowness, later) {
+                        continue;
+                    }
+                    let mut after_first = pair.seconds(there.slowness, later) - first.1;
+                    after_first += first.0;
+                    two_point = first_time.saturating_add(nanos(after_first)).max(now);
+                    is_in_interval = cells.time[beside] >= interval.from && two_point <= interval.until;
+                    if is_in_interval && two_point >= cells.time[to] {
+                        continue;
+                    }
+                }
+                if cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
+                    continue;
+                }
+                if !is_in_interval {
+                    let Some(time) = two_point_arrival(rates, cells, template, to, ends) else { continue };
+                    two_point = time;
+                }
+                offer(cells, queue, to, two_point, number);
+            }
+        }
+    }
+
     /// Offers times to all neighbours of a cell that has just caught fire, where slopes differ, and far from delays.
     fn spread_on_relief_from(&mut self, from: usize, now: u64) {
         let Self { cells, rates, template, interval, queue, .. } = self;
@@ -672,6 +768,7 @@ fn two_point_arrival(
     let number = rates.weather().interval_at(SimTime::from_nanos(latest));
     let ways = [first, second].map(|one| (one.index, &template.ways[one.way], template.vectors[one.way]));
     let is_plane = rates.is_plane();
+    let has_pairs = is_plane || rates.smooth_gradient().is_some();
     let here = spreading(rates, cells, number, to);
     // Fuel that does not burn in this weather; in the next one a new plan is made.
     if here.slowness == f64::INFINITY {
@@ -690,11 +787,13 @@ fn two_point_arrival(
     let second_drift = here.drift_seconds(ways[1].2);
     // Without the drift, which is linear along the line between the ends, the front is a circle's tangent.
     let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
-    let pair = if is_plane {
+    if !is_plane {
+        later += second_beyond - first_beyond;
+    }
+    let pair = if has_pairs {
         let set = template.set(number);
         set.pairs[set.place(first.way).expect("the ways are neighbours in this interval")]
     } else {
-        later += second_beyond - first_beyond;
         Pair::new(here.gradient, ways[0].2, ways[1].2)
     };
     if !pair.is_between(here.slowness, later) {
@@ -747,10 +846,24 @@ fn spreading(rates: &mut Rates, cells: &Cells, number: usize, index: usize) -> S
     rates.spreading(number, cells.fuel[index], index, || cells.cell(index))
 }
 
+/// Says whether wind by place is taken from the two ends of a way.
+#[inline]
+fn is_short(way: &Edge) -> bool {
+    way.cols.abs().max(way.rows.abs()) <= MAX_SMOOTH
+}
+
 /// Returns the seconds of a way in an interval of the weather.
 fn way_seconds(rates: &mut Rates, cells: &Cells, number: usize, from: usize, way: &Edge) -> f64 {
     let v = vector(way, cells.frame.cell_m);
     let to = from.wrapping_add_signed(way.end);
+    // In wind that changes little from cell to cell the mean of both ends is as exact as the sum, and much less work.
+    if rates.smooth_gradient().is_some()
+        && is_short(way)
+        && cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform
+    {
+        let ends = [from, to].map(|index| spreading(rates, cells, number, index).seconds(v));
+        return 0.5 * (ends[0] + ends[1]);
+    }
     if rates.is_plane() && cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
         return spreading(rates, cells, number, to).seconds(v);
     }

@@ -13,6 +13,8 @@
 //!   at t) is 1, so that nothing is to be computed again when the wind turns.
 //! - A cell that is wet, or that was extinguished and can burn again, lets fire pass from a time on: ways over it begin
 //!   then, if the cell that they begin in still flames, and have no part in two-point candidates.
+//! - Where only the wind differs from place to place, a way of up to three columns and rows over one fuel takes the mean of
+//!   what its two ends would make it take.
 //! - Embers, where the rules have any, set cells on fire beside the front; from there it is as if they had been lit.
 //! - A candidate is not earlier than the later of the cells that it comes from. Where slopes differ, the ellipse of a
 //!   two-point candidate is that of the cell; what both ways need beyond that ellipse moves the times of their beginnings.

@@ -1,7 +1,7 @@
 //! The rates of spread of every cell in every interval of the weather.
 //!
 //! Fuel beds are computed once for each fuel and interval. On a plane that gives all ellipses; where every cell has a slope
-//! of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
+//! or a wind of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
 
 use std::sync::Arc;
 
@@ -20,6 +20,7 @@ pub const BARRIER: u8 = u8::MAX;
 
 /// Cells for each ellipse that is kept, where every cell has its own: most cells are far from the front.
 const CELLS_PER_KEPT: usize = 8;
+const CELLS_PER_KEPT_IN_WIND: usize = 4;
 const MIN_KEPT: usize = 4096;
 
 /// The ellipse of a fire's spread in horizontal metres: `s |v'| - b.v` seconds along v, where v' is v lifted onto the
@@ -33,9 +34,8 @@ pub struct Spreading {
 }
 
 impl Spreading {
-    fn new(bed: &FuelBed, depth_ft: f64, wind_mps: DVec2, gradient: DVec2, rules: &RothermelRules) -> Self {
-        let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(depth_ft) * wind_mps;
-        Self::from_fire(&bed.behavior(midflame, gradient, &rules.options))
+    fn new(bed: &FuelBed, adjustment: f64, wind_mps: DVec2, gradient: DVec2, rules: &RothermelRules) -> Self {
+        Self::from_fire(&bed.behavior(adjustment * wind_mps, gradient, &rules.options))
     }
 
     fn from_fire(fire: &SurfaceFire) -> Self {
@@ -48,6 +48,12 @@ impl Spreading {
         Self { slowness, drift, gradient }
     }
 
+    /// Returns the seconds along a horizontal vector whose length on the slope is known.
+    #[inline]
+    pub fn seconds_over(&self, length: f64, v: DVec2) -> f64 {
+        self.slowness * length - self.drift_seconds(v)
+    }
+
     fn ellipse(&self) -> Ellipse {
         Ellipse::with_drift(self.slowness, self.drift, self.gradient)
     }
@@ -55,7 +61,7 @@ impl Spreading {
     /// Returns the seconds along a horizontal vector; infinity where nothing spreads.
     #[inline]
     pub fn seconds(&self, v: DVec2) -> f64 {
-        self.slowness * length_on(self.gradient, v) - self.drift_seconds(v)
+        self.seconds_over(length_on(self.gradient, v), v)
     }
 
     /// Returns the seconds that wind and slope take off along a horizontal vector.
@@ -67,7 +73,7 @@ impl Spreading {
 
 /// The length on a slope of what is above a horizontal vector.
 #[inline]
-fn length_on(gradient: DVec2, v: DVec2) -> f64 {
+pub fn length_on(gradient: DVec2, v: DVec2) -> f64 {
     let rise = gradient.x * v.x + gradient.y * v.y;
     (v.x * v.x + v.y * v.y + rise * rise).sqrt()
 }
@@ -133,26 +139,25 @@ pub struct Rates {
     weather: Arc<Weather>,
     rules: RothermelRules,
     /// The fuels of the landscape that burn, by the numbers that stand for them here.
-    models: Vec<&'static FuelModel>,
+    models: Vec<FuelModel>,
+    /// By fuel, what makes wind at midflame height of wind at 10 m: a logarithm, too costly for every cell.
+    adjustments: Vec<f64>,
     /// By interval of the weather, then by fuel; computed when they are asked for.
     beds: Vec<Option<Box<[FuelBed]>>>,
     /// The same on a plane.
     plane: Vec<Option<Box<[Spreading]>>>,
     /// Fuel model 10 by interval, where there are crowns, and the rate of fire in these once it is known.
     crown_beds: Vec<(FuelBed, Option<f64>)>,
-    /// By a part of cell and interval, where every cell has its own gradient or trees.
+    /// By a part of cell and interval, where every cell has its own gradient, trees or weather.
     kept: Vec<(u64, Spreading)>,
 }
 
 impl Rates {
     pub fn new(landscape: Arc<Landscape>, weather: Arc<Weather>, rules: RothermelRules) -> Self {
         // Only fuels of this landscape get beds: each bed is computed per interval.
-        let mut is_there = [false; 256];
-        for &number in &landscape.fuel {
-            is_there[usize::from(number)] = true;
-        }
-        let numbers = (0..=u8::MAX).filter(|&number| is_there[usize::from(number)]);
-        let models = numbers.filter_map(FuelModel::by_number).filter(|model| model.burns()).collect();
+        let models = landscape.burning_models();
+        let depths = models.iter().map(|model| model.depth_ft);
+        let adjustments = depths.map(|depth_ft| twenty_foot_wind(1.0) * unsheltered_adjustment(depth_ft)).collect();
         let intervals = weather.intervals().len();
         let nothing = Spreading { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient: DVec2::ZERO };
         let has_crowns = landscape.canopy.is_some() && rules.crowns.is_some();
@@ -160,14 +165,16 @@ impl Rates {
         let crown_beds =
             with_crowns.map(|interval| (model_10(&interval.moisture, rules.options.curing), None)).collect();
         let kept = match landscape.relief {
-            Relief::Plane(_) if !has_crowns => 0,
+            Relief::Plane(_) if !has_crowns && !weather.is_local() => 0,
             // A power of two, so that a place in the cache is found by masking.
+            // A field without relief has room for more of them.
+            Relief::Plane(_) => (landscape.fuel.len() / CELLS_PER_KEPT_IN_WIND).next_power_of_two().max(MIN_KEPT),
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];
         let beds = vec![None; intervals];
         let plane = vec![None; intervals];
-        Self { landscape, weather, rules, models, beds, plane, crown_beds, kept }
+        Self { landscape, weather, rules, models, adjustments, beds, plane, crown_beds, kept }
     }
 
     pub fn weather(&self) -> &Weather {
@@ -184,6 +191,16 @@ impl Rates {
         self.kept.is_empty()
     }
 
+    /// Returns the gradient of a plane without trees on which wind differs from place to place: what burns there changes little
+    /// from cell to cell. `None` elsewhere.
+    #[inline]
+    pub fn smooth_gradient(&self) -> Option<DVec2> {
+        match self.landscape.relief {
+            Relief::Plane(gradient) if self.crown_beds.is_empty() && self.weather.is_local() => Some(gradient),
+            _ => None,
+        }
+    }
+
     /// Returns the fire of a cell with trees; `None` where there are none.
     pub fn crown_fire(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<CrownFire> {
         let (model_10, rate_mps) = *self.crown_beds.get(interval)?;
@@ -191,11 +208,14 @@ impl Rates {
         let crowns = self.rules.crowns?;
         let options = self.rules.options;
         let gradient = self.landscape.gradient(cell);
-        let wind = self.weather.intervals()[interval].wind_mps;
+        let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
         let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
         let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
         let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
-        self.crown_beds[interval].1 = Some(rate_mps);
+        // Under wind by place it is another one in the next cell.
+        if !self.weather.is_local() {
+            self.crown_beds[interval].1 = Some(rate_mps);
+        }
         Some(below.burn_at(rate_mps))
     }
 
@@ -221,9 +241,10 @@ impl Rates {
             };
             let wind = self.weather.intervals()[interval].wind_mps;
             let rules = self.rules;
-            let depths: Vec<f64> = self.models.iter().map(|model| model.depth_ft).collect();
-            let beds = self.beds(interval).iter().zip(depths);
-            let spreading = beds.map(|(bed, depth)| Spreading::new(bed, depth, wind, gradient, &rules)).collect();
+            let adjustments = self.adjustments.clone();
+            let beds = self.beds(interval).iter().zip(adjustments);
+            let spreading =
+                beds.map(|(bed, adjustment)| Spreading::new(bed, adjustment, wind, gradient, &rules)).collect();
             self.plane[interval] = Some(spreading);
         }
         self.plane[interval].as_ref().expect("it was just computed")
@@ -253,10 +274,10 @@ impl Rates {
         let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
         spreading.unwrap_or_else(|| {
             let gradient = self.landscape.gradient(cell);
-            let model = self.models[usize::from(fuel)];
-            let wind = self.weather.intervals()[interval].wind_mps;
+            let adjustment = self.adjustments[usize::from(fuel)];
+            let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
             let bed = &self.beds(interval)[usize::from(fuel)];
-            Spreading::new(bed, model.depth_ft, wind, gradient, &rules)
+            Spreading::new(bed, adjustment, wind, gradient, &rules)
         })
     }
 
