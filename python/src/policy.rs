@@ -270,7 +270,7 @@ impl PythonPolicy {
         let mut time_s = [0.0; 2];
         let mut mask = vec![0; layout.actions()];
         let mut candidates = vec![0.0; layout.candidate_numbers()];
-        let sight = Sight { now: seen.now, fires: seen.fires, agents: seen.agents };
+        let sight = Sight { now: seen.now, fires: seen.fires, agents: seen.agents, team: None };
         let mut shared =
             SharedArrays { cells: &mut cells, burning_s: &mut burning_s, agents: &mut agents, time_s: &mut time_s };
         sight.write(layout, |id| id == agent, &mut shared);
