@@ -54,7 +54,7 @@ const SYNONYMS: [(&str, &str); 25] = [
 /// Writes the overview of a program's commands.
 pub fn overview(program: &Command) -> String {
     let about = program.get_about().map(ToString::to_string).unwrap_or_default();
-    let mut text = format!("{about}\n\nUsage: wildfire [OPTIONS] <COMMAND>\n");
+    let mut text = wrapped("", &about) + "\nUsage: wildfire [OPTIONS] <COMMAND>\n";
     for (heading, names) in GROUPS {
         text += &format!("\n{heading}:\n");
         for name in names {
@@ -66,7 +66,7 @@ pub fn overview(program: &Command) -> String {
     let others = program.get_subcommands().filter(|command| !command.is_hide_set());
     let others: Vec<&str> = others.map(Command::get_name).filter(|name| !is_grouped(name) && *name != "help").collect();
     text += "\nMore, which `wildfire help --all` explains:\n";
-    text += &wrapped(&others.join(", "));
+    text += &wrapped("  ", &others.join(", "));
     text += "\nOptions:\n  -q, --quiet    Print only results and errors, no progress or notes\n  -h, --help     Print this, or of a \
              command all that it takes\n  -V, --version  Print the version\n\n";
     let examples: Vec<&str> = EXAMPLES.lines().collect();
@@ -83,16 +83,14 @@ fn first_clause(command: &Command) -> String {
     clause[..end].to_owned()
 }
 
-/// Lines of at most 78 letters.
-fn wrapped(words: &str) -> String {
-    let mut lines = vec![String::from(" ")];
+/// Lines of at most 78 letters, each with an indent.
+fn wrapped(indent: &str, words: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
     for word in words.split(' ') {
-        if lines.last().is_some_and(|line| line.len() + 1 + word.len() > 78) {
-            lines.push(String::from(" "));
+        match lines.last_mut().filter(|line| line.len() + 1 + word.len() <= 78) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(format!("{indent}{word}")),
         }
-        let line = lines.last_mut().expect("there is a first line");
-        line.push(' ');
-        line.push_str(word);
     }
     lines.join("\n") + "\n"
 }

@@ -181,7 +181,7 @@ pub enum Command {
         #[command(subcommand)]
         command: MapCommand,
     },
-    /// Maps of arrival, intensity, burn probability and the effect of trucks.
+    /// Map arrival, intensity, burn probability and what trucks change.
     MapOf(MapOfArguments),
     /// Compute the shortest curves with a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),

@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{BatchPlan, FreeKeys, FreeParameters, RunLabel, Seeds, Value};
-use crate::stats::Validity;
 
 /// What must be known of a metric before a batch stops, and the seeds that it has at most.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -121,11 +120,6 @@ impl BatchPlan {
         let played = if differ { played.to_vec() } else { Vec::new() };
         let until = self.until.clone().map(|rule| StoppingRule { played, ..rule });
         Self { seeds: self.seeds.first(max), until, ..self.clone() }
-    }
-
-    /// Returns for what the intervals of means over its runs hold.
-    pub fn validity(&self) -> Validity {
-        if self.until.is_some() { Validity::AtAnyTime } else { Validity::AtFixedSize }
     }
 
     /// Returns the variants of each entry of a ranking: those of one planner, one policy, and equal values of the keys in

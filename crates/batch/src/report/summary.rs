@@ -77,12 +77,17 @@ const FLEET_MEANS: [MeanRow; 9] = [
     mean("Dispatch\nCPU ms", "cpu_dispatch_s", 1e3, 2),
 ];
 
+/// Returns for what the intervals of means over a plan's runs hold.
+pub fn validity_of(plan: &BatchPlan) -> Validity {
+    if plan.until.is_some() { Validity::AtAnyTime } else { Validity::AtFixedSize }
+}
+
 impl VariantReport {
     /// Creates the report of a variant without runs.
     pub fn new(plan: &BatchPlan, variant: &Variant) -> Self {
         let title = plan.title(variant);
         let scenario = &variant.scenario;
-        let validity = plan.validity();
+        let validity = validity_of(plan);
         let columns = vec![Series::default(); RUN_COLUMNS.len()];
         let deadline_s = (scenario.wumpus.is_empty() && !scenario.unimog.is_empty()).then_some(scenario.duration_s);
         let entry = plan.entry(variant);

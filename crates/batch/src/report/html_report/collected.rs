@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::quantities::SelectedQuantities;
 use crate::comparison::Metric;
 use crate::plan::BatchPlan;
-use crate::report::summary::{BatchReport, VariantReport};
+use crate::report::summary::{BatchReport, VariantReport, validity_of};
 use crate::stats::{Series, Validity};
 use crate::table::{FinishedError, FinishedRows, RunRecord, run_column};
 use wildfire_picture::charts::Estimate;
@@ -57,7 +57,7 @@ impl Collected {
         let mut number = 0;
         for (index, variant) in plan.variants.iter().enumerate() {
             let mut report = VariantReport::new(plan, variant);
-            let mut values = Values { validity: plan.validity(), ..Values::default() };
+            let mut values = Values { validity: validity_of(plan), ..Values::default() };
             for _ in 0..plan.seeds_of(index) {
                 number += 1;
                 let run = plan.run(number);
