@@ -167,8 +167,8 @@ fn failures_of_modules_with_one_name_are_those_of_each() {
     }
     let args = ["batch", "--rules", "rules.toml", "--entry", "anna/entry.toml", "ben/entry.toml", "--out", "out"];
     let printed = String::from_utf8_lossy(&shell.run(&args, &[0]).stdout).into_owned();
-    for (number, reason) in [(1, "crashed"), (2, "disconnected")] {
-        let (_, rest) = printed.split_once(&format!("Failed queries of mine (variant {number}): ")).expect(&printed);
+    for (entry, reason) in [("anna", "crashed"), ("ben", "disconnected")] {
+        let (_, rest) = printed.split_once(&format!("Failed queries of {entry}: ")).expect(&printed);
         assert!(rest.split('.').nth(1).is_some_and(|sentence| sentence.contains(reason)), "{printed}");
     }
     shell.refuse(
