@@ -291,7 +291,9 @@ impl Contests {
             return Err(PyValueError::new_err("play is empty; expected some of the scenario's agents"));
         }
         if by_sight && played.iter().any(|agent| agent.role.lights()) {
-            return Err(PyValueError::new_err("observe=\"sight\" is what trucks see; expected play to name trucks only"));
+            return Err(PyValueError::new_err(
+                "observe=\"sight\" is what trucks see; expected play to name trucks only",
+            ));
         }
         // A played agent follows no other policy.
         for &AgentId { role, number } in &played {

@@ -160,7 +160,8 @@ fn make_credit_bench(folder: &Path, arguments: &WhyArguments, context: &CommandC
         }
         let batch = play_plan(request.resolve(false)?, &folder.join(name), jobs_or_all(arguments.jobs), context)?;
         let choices = CREDIT_BENCH_CHOICES;
-        let selection = SelectedDecisions { choices, futures: CREDIT_BENCH_FUTURES, ..SelectedDecisions::sample(decisions) };
+        let selection =
+            SelectedDecisions { choices, futures: CREDIT_BENCH_FUTURES, ..SelectedDecisions::sample(decisions) };
         let options = context.run_options(false, batch.plan().memory);
         judge_runs(&batch, &selection, &options, arguments.form, context)?;
     }

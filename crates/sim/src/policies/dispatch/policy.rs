@@ -214,7 +214,13 @@ impl<'a> FleetKnowledge<'a> {
             // A fire that has spread already threatens nothing more.
             let spreads_at = spreads.map(|(_, delay)| since + delay).filter(|&time| time > self.now);
             let spreads_at = spreads_at.unwrap_or(SimTime::MAX);
-            (self.sight.knows(cell) && !stops.contains(&cell)).then_some(Fire { cell, place, since, burns_out, spreads_at })
+            (self.sight.knows(cell) && !stops.contains(&cell)).then_some(Fire {
+                cell,
+                place,
+                since,
+                burns_out,
+                spreads_at,
+            })
         };
         self.fires.burning().filter_map(fire).collect()
     }
