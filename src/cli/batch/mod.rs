@@ -141,10 +141,9 @@ pub fn play_plan(
 ) -> Result<FinishedBatch, CliError> {
     let batch = Batch::begin(plan, OutputFolder::named(folder, false)?)?;
     let resume = resume_command(batch.folder().path(), Slice::WHOLE);
-    let from_batch = |error| CliError::from_batch_error(error, &resume);
     let stop = Arc::new(AtomicBool::new(false));
-    let played = run_with_progress(batch, jobs, &stop, context).map_err(from_batch)?;
-    played.batch.finish(&stop).map_err(from_batch)?;
+    let played = run_with_progress(batch, jobs, &stop, context).and_then(|played| played.batch.finish(&stop));
+    played.map_err(|error| CliError::from_batch_error(error, &resume))?;
     Ok(FinishedBatch::open(folder)?)
 }
 
