@@ -260,7 +260,7 @@ mod tests {
                 "line 2: found `x`, expected a number in column 9",
             ),
             (&format!("ENGLISH\n14 MINE {}", GR2.replace("2000", "nan")), "expected a number in column 9"),
-            (&format!("METRIC\n14 MINE {GR2}"), "line 2: fuel model 14: its ratio of surface to volume of 1-h fuel"),
+            (&format!("METRIC\n14 MINE {GR2}"), "line 2: fuel model 14: its heat content of dead fuel in Btu/lb"),
             (&format!("ENGLISH\n14 A {GR2}\n14 B {GR2}"), "line 3: its number is that of a model before"),
             ("14,A,.TRUE.,1", "line 1: found 4 columns, expected 14"),
         ] {

@@ -685,9 +685,9 @@ impl LayerKind {
     fn expects(self, value: f32, custom_fuels: &CustomFuels) -> Option<&'static str> {
         match self {
             Self::Fuel if is_fuel_model(value, custom_fuels) => None,
-            Self::Fuel if custom_number(value.max(0.0) as u32).is_some() && value.fract() == 0.0 => {
-                Some("a built-in fuel model or a custom one: no `[[fuel]]` and no `fuel_file` has this number")
-            }
+            Self::Fuel if custom_number(value.max(0.0) as u32).is_some() && value.fract() == 0.0 => Some(
+                "the number of a fuel model: 1 to 13, 91, 92, 93, 98, 99, or 101 to 204 (no custom fuel model has this one)",
+            ),
             Self::Fuel => Some("the number of a fuel model: 1 to 13, 91, 92, 93, 98, 99, or 101 to 204"),
             Self::Elevation if (LOWEST_M..=HIGHEST_M).contains(&value) => None,
             Self::Elevation => Some("an elevation from -500 to 9000 m (are these feet?)"),

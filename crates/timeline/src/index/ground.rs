@@ -402,6 +402,7 @@ fn ignitions_by_cell(frame: FieldFrame, log: &[GroundEvent]) -> (Vec<u32>, Vec<B
 mod tests {
     use super::*;
     use crate::sample::{self, B, seconds};
+    use crate::{EndReason, Event, Fact};
 
     /// Finds what the log says of every cell, without an index.
     fn by_scanning(timeline: &Timeline, time: SimTime) -> Vec<Option<BushState>> {
@@ -473,7 +474,10 @@ mod tests {
         let outcome = |timeline: &Timeline| GroundIndex::new(timeline).expect("it has ground").outcome(timeline);
         let last_s = timeline.ground.iter().filter(|event| matches!(event.fact, GroundFact::Ignited(_))).next_back();
         let last_s = last_s.expect("ground burns").time.as_seconds();
-        timeline.setting.rules.duration = timeline.end_time() + seconds(1.0);
+        let time = timeline.end_time();
+        timeline.events.retain(|event| !matches!(event.fact, Fact::Ended { .. }));
+        timeline.events.push(Event { time, fact: Fact::Ended { reason: EndReason::NothingLeft } });
+        timeline.setting.rules.duration = time + seconds(1.0);
         assert_eq!(
             (outcome(&timeline).contained_at_s, outcome(&timeline).escaped),
             (None, Some(true)),
@@ -486,7 +490,7 @@ mod tests {
         timeline.events.retain(|event| event.fact.ignition().is_none_or(|(cell, _)| is_inside(cell)));
         let found = outcome(&timeline);
         assert!(found.contained_at_s.is_some_and(|at_s| at_s <= last_s) && found.escaped == Some(false), "{found:?}");
-        timeline.setting.rules.duration = timeline.end_time();
+        timeline.setting.rules.duration = time;
         assert_eq!((outcome(&timeline).contained_at_s, outcome(&timeline).escaped), (None, Some(true)), "at the end");
         timeline.setting.agents = sample::on_ground().setting.agents;
         let has_lighters = timeline.setting.agents.iter().any(|agent| agent.id.role.lights());
