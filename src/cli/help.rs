@@ -62,9 +62,9 @@ pub fn overview(program: &Command) -> String {
             text += &format!("  {name:<11}{}\n", first_clause(command));
         }
     }
-    let is_grouped = |name: &str| GROUPS.iter().any(|(_, names)| names.contains(&name));
-    let others = program.get_subcommands().filter(|command| !command.is_hide_set());
-    let others: Vec<&str> = others.map(Command::get_name).filter(|name| !is_grouped(name) && *name != "help").collect();
+    let grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).chain(["help"]).collect();
+    let others = program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
+    let others: Vec<&str> = others.filter(|name| !grouped.contains(name)).collect();
     text += "\nMore, which `wildfire help --all` explains:\n";
     text += &wrapped("  ", &others.join(", "));
     text += "\nOptions:\n  -q, --quiet    Print only results and errors, no progress or notes\n  -h, --help     Print this, or of a \
@@ -105,9 +105,9 @@ pub fn unknown_command(args: &[OsString], error: &clap::Error, program: &Command
     if named != *found {
         return None;
     }
-    let names = || program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
+    let names = program.get_subcommands().filter(|command| !command.is_hide_set()).map(Command::get_name);
     let meant = SYNONYMS.iter().find(|(word, _)| *word == found.to_lowercase()).map(|(_, name)| (*name).to_owned());
-    let meant = meant.or_else(|| wildfire_scenario::nearest_name(found, names()));
+    let meant = meant.or_else(|| wildfire_scenario::nearest_name(found, names));
     let tip = meant.map_or_else(String::new, |name| format!("; did you mean `wildfire {name}`?"));
     let sentence = format!("there is no command `{}`{tip}", visible(found));
     Some(CliError::bad_input(sentence, Some("`wildfire --help` shows the commands")))

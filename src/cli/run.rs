@@ -371,13 +371,13 @@ fn cpu_times(result: &RunResult) -> Table {
     ];
     let has_trucks = result.trucks().next().is_some();
     let has_wumpuses = result.wumpuses().next().is_some();
-    let belongs = |phase: &str| {
-        !(OPTIONAL.contains(&phase)
+    let shown = parts.into_iter().filter(|&(phase, seconds)| {
+        let is_foreign = OPTIONAL.contains(&phase)
             || ROADMAP.contains(&phase) && (cpu.has_custom_planner() || !has_trucks)
             || OF_TRUCKS.contains(&phase) && !has_trucks
-            || phase == OF_WUMPUSES && !has_wumpuses)
-    };
-    let shown = parts.into_iter().filter(|&(phase, seconds)| seconds > 0.0 || belongs(phase));
+            || phase == OF_WUMPUSES && !has_wumpuses;
+        seconds > 0.0 || !is_foreign
+    });
     let rows = shown.map(|(phase, seconds)| {
         let share = if cpu.run_s > 0.0 { percent(seconds / cpu.run_s) } else { "-".into() };
         vec![phase.to_owned(), rounded(seconds * 1e3, 3), share]

@@ -129,9 +129,8 @@ impl LatexBlocks {
         let joined: String = parts.join("-").chars().take(MAX_LETTERS).collect();
         let label = format!("tab:{}", joined.trim_end_matches('-'));
         let numbered = (2..).map(|number| format!("{label}-{number}"));
-        let is_free = |label: &String| !self.labels.contains(label);
-        let label =
-            [label.clone()].into_iter().chain(numbered).find(is_free).expect("there is a number for each label");
+        let mut labels = [label.clone()].into_iter().chain(numbered);
+        let label = labels.find(|label| !self.labels.contains(label)).expect("there is a number for each label");
         self.labels.push(label.clone());
         label
     }

@@ -149,14 +149,12 @@ impl Water {
                 bodies.push(body);
             }
         }
-        let has_room = |place: DVec2| {
-            bodies.iter().any(|body| {
-                let checker = CollisionChecker::new(Arc::clone(&field.clearance), *body);
-                has_room(&checker, body, place, self.reach_m)
-            })
-        };
         for (number, place) in self.place.iter().enumerate() {
-            if !has_room(DVec2::new(place.x_m, place.y_m)) {
+            let fits = bodies.iter().any(|body| {
+                let checker = CollisionChecker::new(Arc::clone(&field.clearance), *body);
+                has_room(&checker, body, DVec2::new(place.x_m, place.y_m), self.reach_m)
+            });
+            if !fits {
                 let WaterPlace { x_m, y_m } = place;
                 found.push(format!(
                     "`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).",

@@ -609,9 +609,9 @@ impl LayerKind {
         let step = ((rows * cols / 100_000) as f64).sqrt().ceil().max(1.0) as usize;
         // Every so many rows and columns: every so many cells could be those of one column. Horn's slope needs all eight
         // neighbours, so the border is left out.
-        let columns = || (1..cols.saturating_sub(1)).step_by(step);
-        for (row, col) in (1..rows.saturating_sub(1)).step_by(step).flat_map(|row| columns().map(move |col| (row, col)))
-        {
+        let inner = (1..rows.saturating_sub(1)).step_by(step);
+        let sampled = inner.flat_map(|row| (1..cols.saturating_sub(1)).step_by(step).map(move |col| (row, col)));
+        for (row, col) in sampled {
             let height = |row: usize, col: usize| {
                 let height = heights.value(row, col);
                 if heights.is_nodata(height) { f64::NAN } else { height.into() }

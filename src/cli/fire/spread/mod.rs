@@ -228,7 +228,6 @@ impl SpreadArguments {
 
     /// Returns the weather of a field, by place where rasters say so.
     fn weather_on(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Weather, CliError> {
-        let refused = |message: String| CliError::bad_input(message, None);
         let rasters = self.wind_speed.as_deref().zip(self.wind_from.as_deref());
         let fields = match (rasters, &self.wind_list) {
             (Some((first, second)), _) => {
@@ -242,7 +241,7 @@ impl SpreadArguments {
             let wind_mps = it.field.mean();
             WeatherInterval { from: it.from, wind_mps, moisture: self.moisture }
         });
-        let weather = Weather::new(intervals.collect()).map_err(|error| refused(error.to_string()))?;
+        let weather = Weather::new(intervals.collect()).map_err(|error| CliError::bad_input(error, None))?;
         Ok(weather.with_wind_fields(fields.into_iter().map(|it| Some(Arc::new(it.field))).collect()))
     }
 
@@ -269,6 +268,10 @@ impl SpreadArguments {
             None => Ok(()),
         }
     }
+}
+
+fn refused(message: String) -> CliError {
+    CliError::bad_input(message, None)
 }
 
 #[cfg(test)]

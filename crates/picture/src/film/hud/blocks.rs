@@ -10,7 +10,7 @@ use crate::film::hud::stories::{agent_blocks, story_block};
 use crate::film::hud::{HudView, formatting};
 use crate::film::{Layer, RunView, ViewOptions};
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{Activity, AgentState, BushCounts, CrewRules, GroundCounts, GroundIndex, Role};
+use wildfire_timeline::{Activity, BushCounts, CrewRules, GroundCounts, GroundIndex, Role};
 
 /// All blocks in the order in which they are shown.
 pub fn panel_blocks(view: &HudView) -> Vec<PanelBlock> {
@@ -127,8 +127,9 @@ fn ground_fire_lines(view: &HudView) -> Vec<PanelLine> {
     if view.states.iter().any(|state| !state.agents.is_empty()) {
         lines.push(line("trucks at work", &|index, _, _| {
             let agents = &view.states[index].agents;
-            let rests = |agent: &&AgentState| matches!(agent.activity, Activity::Standing | Activity::Waiting);
-            format!("{} of {}", agents.len() - agents.iter().filter(rests).count(), agents.len())
+            let activities = agents.iter().map(|agent| agent.activity);
+            let at_work = activities.filter(|activity| !matches!(activity, Activity::Standing | Activity::Waiting));
+            format!("{} of {}", at_work.count(), agents.len())
         }));
     }
     if view.runs.iter().any(|run| !crews_of(run).is_empty()) {

@@ -52,8 +52,9 @@ pub fn cells_word(agent: AgentId) -> &'static str {
 fn agent_lines(run: &RunView, index: usize, agent: &AgentState, time: SimTime) -> Vec<PanelLine> {
     let stats = run.stats_at(index, time);
     let frame = run.timeline().setting.frame;
-    let way = |goal| format!("goal {}", format_way(&frame, agent.pose.position(), goal));
-    let goal = agent.goal.map_or("no goal".to_owned(), way);
+    let goal = agent
+        .goal
+        .map_or("no goal".to_owned(), |goal| format!("goal {}", format_way(&frame, agent.pose.position(), goal)));
     // Trucks put out ground, too, which is not theirs alone and is counted above.
     let noun = if run.is_of_ground() { " bushes" } else { "" };
     let cells = format!("{}{noun} {}", stats.cells, cells_word(agent.id));
@@ -179,11 +180,12 @@ pub fn burned_for(event: &Event, since: Option<SimTime>) -> Option<String> {
 fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Option<Vec<PanelLine>> {
     let index = run.timeline().setting.agent_index(id)?;
     let AgentState { pose, speed_mps, activity, goal, .. } = state.agents[index];
-    let way = |goal| format_way(&run.timeline().setting.frame, pose.position(), goal);
+    let frame = run.timeline().setting.frame;
+    let goal = goal.map_or("none".to_owned(), |goal| format_way(&frame, pose.position(), goal));
     let stats = run.stats_at(index, now);
     let mut lines = vec![
         PanelLine::pair(activity_name(id, activity), format!("{speed_mps:.1} m/s")),
-        PanelLine::pair("goal", goal.map_or("none".to_owned(), way)),
+        PanelLine::pair("goal", goal),
         PanelLine::pair("distance", format!("{:.0} m", stats.distance_m)),
         PanelLine::pair("cells", format!("{} {}", stats.cells, cells_word(id))),
         PanelLine::pair("routes planned", format!("{} ({} failed)", stats.plans, stats.failures)),

@@ -245,8 +245,12 @@ pub fn draw_differences(pen: &mut ChartPen, rows: RowRange, one: &RunView, other
 fn differences(pen: &ChartPen, one: &RunView, other: &RunView, amount: fn([f64; 4]) -> f64) -> Vec<f64> {
     let width = pen.plan.columns.1;
     let times = (0..width).map(|column| column_time(column, width, pen.end));
-    let of_run = |run: &RunView, time| amount(amounts_at(run, time, pen.scale));
-    times.map(|time| of_run(one, time) - of_run(other, time)).collect()
+    times
+        .map(|time| {
+            let [one, other] = [one, other].map(|run| amount(amounts_at(run, time, pen.scale)));
+            one - other
+        })
+        .collect()
 }
 
 /// Draws the names of the curves above them.
