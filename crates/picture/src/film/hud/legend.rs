@@ -158,17 +158,16 @@ pub fn legend_block(view: &HudView) -> PanelBlock {
 
 /// Returns whether a run has, or will have, what an entry explains.
 fn is_there(runs: &[&RunView], entry: &LegendEntry) -> bool {
-    let has_agent = |belongs: fn(Role) -> bool| {
-        runs.iter().any(|run| run.timeline().setting.agents.iter().any(|agent| belongs(agent.id.role)))
-    };
+    let roles: Vec<Role> =
+        runs.iter().flat_map(|run| &run.timeline().setting.agents).map(|agent| agent.id.role).collect();
     match entry.sign {
-        LegendSign::Line(dash, gap) if dash > 0.0 && dash < gap => has_agent(Role::drives),
-        LegendSign::Line(..) => has_agent(|_| true),
+        LegendSign::Line(dash, gap) if dash > 0.0 && dash < gap => roles.iter().any(|role| role.drives()),
+        LegendSign::Line(..) => !roles.is_empty(),
         LegendSign::Cell(colour) if colour == LOST_LINE => {
             let cleared = runs.iter().filter_map(|run| run.index().ground()).flat_map(|ground| ground.line_cells());
             cleared.into_iter().any(|cell| !cell.holds)
         }
-        LegendSign::Cell(_) if entry.text == "wet" => has_agent(Role::suppresses),
+        LegendSign::Cell(_) if entry.text == "wet" => roles.iter().any(|role| role.suppresses()),
         _ => true,
     }
 }
