@@ -84,9 +84,9 @@ fn first_clause(command: &Command) -> String {
 }
 
 /// Lines of at most 78 letters, each with an indent.
-fn wrapped(indent: &str, words: &str) -> String {
+fn wrapped(indent: &str, text: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
-    for word in words.split(' ') {
+    for word in text.split(' ') {
         match lines.last_mut().filter(|line| line.len() + 1 + word.len() <= 78) {
             Some(line) => *line += &format!(" {word}"),
             None => lines.push(format!("{indent}{word}")),
@@ -99,9 +99,9 @@ fn wrapped(indent: &str, words: &str) -> String {
 /// parser knows the names.
 pub fn unknown_command(args: &[OsString], error: &clap::Error, program: &Command) -> Option<CliError> {
     let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    let mut words = args.iter().skip(1).map(|word| word.to_string_lossy()).filter(|word| !word.starts_with('-'));
-    let first = words.next()?;
-    let named = if first == "help" { words.next()? } else { first };
+    let mut names = args.iter().skip(1).map(|word| word.to_string_lossy()).filter(|word| !word.starts_with('-'));
+    let first = names.next()?;
+    let named = if first == "help" { names.next()? } else { first };
     if named != *found {
         return None;
     }
@@ -140,9 +140,9 @@ mod tests {
             for line in [vec!["wildfire", word], vec!["wildfire", "help", word]] {
                 let args: Vec<OsString> = line.iter().map(OsString::from).collect();
                 let error = Arguments::try_parse_from(&args).expect_err(word);
-                let said =
+                let message =
                     unknown_command(&args, &error, &program).map(|error| format!("{error:?}")).unwrap_or_default();
-                assert!(said.contains(&format!("did you mean `wildfire {name}`?")), "{line:?}: {said}");
+                assert!(message.contains(&format!("did you mean `wildfire {name}`?")), "{line:?}: {message}");
             }
         }
         let args = ["wildfire", "map", "burshfire"].map(OsString::from);

@@ -220,7 +220,7 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
         return ExitCode::from(code);
     }
     interrupt::install();
-    if args.get(1..).is_some_and(|words| words == ["help", "--all"]) {
+    if args.get(1..).is_some_and(|args| args == ["help", "--all"]) {
         let all = Arguments::command().render_long_help().to_string();
         return terminal::print(&all).map_or_else(CliError::print, |()| ExitCode::SUCCESS);
     }

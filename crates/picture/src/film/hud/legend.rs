@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn fires_on_the_ground_are_told_in_hectares() {
+    fn fires_on_the_ground_are_measured_in_hectares() {
         let run = RunView::new(sample::ground_alone(&[sample::TRUCK]), None);
         let text = texts_at(&run, run.end_time(), panel_blocks);
         let counts = run.index().ground().expect("it has ground").counts_at(run.end_time());
