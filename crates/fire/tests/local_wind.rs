@@ -52,7 +52,7 @@ fn hamiltonian(bed: &FuelBed, wind: Wind, at: DVec2, p: DVec2) -> (f64, DVec2) {
     let w = a * (1.0 - e * e).sqrt();
     let along = a * d.dot(p);
     let across = w * n.dot(p);
-    let norm = along.hypot(across);
+    let norm = ops::hypot(along, across);
     (e * along + norm, a * e * d + (a * along * d + w * across * n) / norm)
 }
 

@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(models.iter().map(|model| model.number).collect::<Vec<_>>(), [14, 205]);
         assert_eq!((&*models[0].code, &*models[0].name, &*models[1].name), ("MINE", "My low grass", "MORE"));
         assert!(models.iter().all(|model| bed(model) == built_in));
-        let tons = 2000.0 * 0.453_592_37 / 4046.856_422_4 * 10.0;
+        let tons = 2000.0 * 0.453_592_37 / 4_046.856_422_4 * 10.0;
         let metric = format!(
             "metric\n\n14 MINE {} 0 0 {tons} 0 dynamic {} {} 0 30.48 15 18608 18608\n",
             0.1 * tons,

@@ -299,7 +299,7 @@ impl Shapes {
 
     /// Refuses coordinates that are not those of the field, and returns the name of these.
     fn check_system(&self, layers: Option<&ImportedLayers>) -> Result<String, String> {
-        if let Some(point) = self.points.iter().find(|point| !(point.abs().max_element() <= 1e12)) {
+        if let Some(point) = self.points.iter().find(|point| !point.is_finite() || point.abs().max_element() > 1e12) {
             return Err(format!("it has the point ({}, {}); expected metres up to 1e12", point.x, point.y));
         }
         let epsg = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);

@@ -472,7 +472,7 @@ mod tests {
         let mut timeline = sample::on_ground();
         timeline.setting.agents.retain(|agent| !agent.id.role.lights());
         let outcome = |timeline: &Timeline| GroundIndex::new(timeline).expect("it has ground").outcome(timeline);
-        let last_s = timeline.ground.iter().filter(|event| matches!(event.fact, GroundFact::Ignited(_))).next_back();
+        let last_s = timeline.ground.iter().rfind(|event| matches!(event.fact, GroundFact::Ignited(_)));
         let last_s = last_s.expect("ground burns").time.as_seconds();
         let time = timeline.end_time();
         timeline.events.retain(|event| !matches!(event.fact, Fact::Ended { .. }));

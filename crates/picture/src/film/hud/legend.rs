@@ -164,8 +164,8 @@ fn is_there(runs: &[&RunView], entry: &LegendEntry) -> bool {
         LegendSign::Line(dash, gap) if dash > 0.0 && dash < gap => roles.iter().any(|role| role.drives()),
         LegendSign::Line(..) => !roles.is_empty(),
         LegendSign::Cell(colour) if colour == LOST_LINE => {
-            let cleared = runs.iter().filter_map(|run| run.index().ground()).flat_map(|ground| ground.line_cells());
-            cleared.into_iter().any(|cell| !cell.holds)
+            let mut grounds = runs.iter().filter_map(|run| run.index().ground());
+            grounds.any(|ground| ground.line_cells().iter().any(|cell| !cell.holds))
         }
         LegendSign::Cell(_) if entry.text == "wet" => roles.iter().any(|role| role.suppresses()),
         _ => true,
