@@ -127,7 +127,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Tour the program in a minute and fill a folder with pictures and pages.
+    /// Tour the program in a minute: fill a folder with pictures and pages.
     Demo(DemoArguments),
     /// Run a scenario once and print who won.
     Run(RunArguments),

@@ -407,15 +407,22 @@ fn pictures_are_drawn_by_commands_that_the_pages_show() {
     let commands: Vec<_> = texts.iter().flat_map(|text| blocks(text)).flat_map(|block| block.commands()).collect();
     let drawn = |name: &&str| commands.iter().any(|command| command.contains(&format!("assets/pictures/{name}")));
     let others: Vec<_> = shown.iter().copied().filter(|name| !drawn(name)).collect();
-    // Planners of another library, areas of fires in a test, charts of a report on thousands of runs, measured times, and a
-    // browser with the page of a run.
+    // Planners of another library, a drawing of the parts of the program, areas of fires in a test, charts of a report on
+    // thousands of runs, measured times, a study that one script makes, and a browser with the page of a run.
     let expected = [
         "against-ompl.svg",
+        "architecture.svg",
         "contain.svg",
         "distributions.png",
         "figure-cpu-sums.svg",
         "page.png",
         "states-over-time.png",
+        "study-1.svg",
+        "study-2.svg",
+        "study-3.svg",
+        "study-4.svg",
+        "study-5.svg",
+        "study-6.svg",
         "sweep.png",
     ];
     assert_eq!(others, expected);

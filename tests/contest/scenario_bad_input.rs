@@ -131,12 +131,12 @@ fn missing_fields_are_named() {
     assert_refused(
         "wumpus = []\nunimog = []\n[[ignition]]\nat_s = 1",
         "3:1",
-        &["ignition.0", "either `cells` or `random`"],
+        &["ignition.0", "needs one of `cells`, `points_m`, `perimeter` and `random`"],
     );
     assert_refused(
         "wumpus = []\nunimog = []\n[[ignition]]\nat_s = 1\nrandom = 1\ncells = []",
         "3:1",
-        &["ignition.0", "either `cells` or `random`"],
+        &["ignition.0", "needs one of `cells`, `points_m`, `perimeter` and `random`"],
     );
 }
 

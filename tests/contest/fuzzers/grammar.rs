@@ -129,7 +129,7 @@ impl Grammar {
         let Key { path, schema } = &self.keys[key];
         let dotted = path.join(".");
         // Keys that decide whether anything can be run are drawn by other means, and only now and then by these.
-        if FRAME.contains(&dotted.as_str()) && !chance(dice, 5) {
+        if (FRAME.contains(&dotted.as_str()) || WHOLE.contains(&path[0].as_str())) && !chance(dice, 5) {
             return;
         }
         let (Some(value), Some((name, tables))) = (self.value(dice, schema, &dotted), path.split_last()) else {
@@ -286,7 +286,7 @@ impl Grammar {
 }
 
 /// Keys that say where a scenario takes place and for how long, and those that need a file beside it.
-const FRAME: [&str; 16] = [
+const FRAME: [&str; 24] = [
     "duration_s",
     "field.size_m",
     "field.cell_m",
@@ -303,7 +303,18 @@ const FRAME: [&str; 16] = [
     "weather.start_h",
     "weather.latitude_deg",
     "weather.utc_offset_h",
+    "fuel_file",
+    "barrier.file",
+    "wind.east",
+    "wind.from",
+    "wind.north",
+    "wind.speed",
+    "wind.toward",
+    "wind.units",
 ];
+
+/// Tables whose keys are right together only.
+const WHOLE: [&str; 2] = ["barrier", "fuel"];
 
 /// Reads a number's range from the refusal of one that is too large.
 fn range_of(path: &str) -> Option<[f64; 2]> {
