@@ -67,8 +67,8 @@ pub fn overview(program: &Command) -> String {
     let others: Vec<&str> = others.filter(|name| !grouped.contains(name)).collect();
     text += "\nMore, which `wildfire help --all` explains:\n";
     text += &wrapped("  ", &others.join(", "));
-    text += "\nOptions:\n  -q, --quiet    Print only results and errors, no progress or notes\n  -h, --help     Print this, or of a \
-             command all that it takes\n  -V, --version  Print the version\n\n";
+    text += "\nOptions:\n  -q, --quiet    Print only results and errors, no progress or notes\n  -h, --help     Also after a command; \
+             -V, --version: print the version\n\n";
     let examples: Vec<&str> = EXAMPLES.lines().collect();
     let (first, last) = (&examples[..FIRST_LINES], &examples[examples.len() - LAST_LINES..]);
     text + &first.join("\n") + "\n\n" + &last.join("\n") + "\n"

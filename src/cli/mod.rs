@@ -114,7 +114,7 @@ Examples:
 Exit codes: 0 done, 1 a run failed, 2 bad input, 3 disk or other environment,
 4 an audit or a check found a violation, 75 stopped and resumable, 130 stopped.";
 
-/// A wildfire contest between planners: a Wumpus lights bushes, a fire truck puts them out.
+/// A contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
 #[command(name = "wildfire", version, long_version = LONG_VERSION, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Arguments {
@@ -185,7 +185,7 @@ pub enum Command {
     MapOf(MapOfArguments),
     /// Compute the shortest curves with a turning radius between two poses: Reeds-Shepp and Dubins.
     Curve(CurveArguments),
-    /// Compute fire behavior and spread from fuel, wind, slope and moisture, without agents.
+    /// Compute fire behavior and spread without agents: from fuel, wind, slope and moisture.
     Fire {
         #[command(subcommand)]
         command: FireCommand,
