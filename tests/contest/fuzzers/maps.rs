@@ -121,20 +121,44 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
     const SAMPLES: &[&str] =
         &["speed_mps,from_deg\n5,270\n6,280\n", "d1,d10,d100,herb,woody,speed_mps,from_deg\n.06,.07,.08,.6,.9,5,0\n"];
     const ROADS: &str = r#"{"type":"Feature","geometry":{"type":"MultiLineString","coordinates":[[[0,5],[60,80]]]}}"#;
+    const FUELS: &[&str] = &[
+        "METRIC\n14 OWN 3.5 1.2 0.4 0 2.5 static 60 50 50 45 22 18000 18000 Own\n",
+        "ENGLISH\n15 OWN 1.6 0.5 0 0.3 1.4 dynamic 1900 1700 1500 2 20 8000 8000\n",
+        "14,OWN,.TRUE.,0.1,0,0,0.2,0,2000,109,30,1800,1500,1,15,8000\n",
+    ];
+    const WIND_LIST: &str = "WINDS_AND_CLOUDS\nMETRIC\n7 1 1200 raster raster\n7 1 1300 raster raster\n";
+    const PERIMETER: &str =
+        r#"{"type":"Feature","geometry":{"type":"Polygon","coordinates":[[[9,9],[60,9],[60,70],[9,9]]]}}"#;
     let raster = drawn_raster(case);
+    let fuels = mutated(&mut case.dice, FUELS, &["METRIC", "static", "1e9", "-1", "nan", "\n"]);
+    let list = mutated(&mut case.dice, &[WIND_LIST], &["ENGLISH", "raster", "1e9", "-1", "2400", "\n"]);
+    let perimeter = mutated(&mut case.dice, &[PERIMETER], &["[", "]", "Point", "1e9", "-1", "Multi"]);
     let wind = mutated(&mut case.dice, WINDS, &["t_s", ",", "1e9", "-1", "nan", "\n"]);
     let samples = mutated(&mut case.dice, SAMPLES, &["d1", ",", "1e9", "-1", "nan", "\n"]);
     let roads = mutated(&mut case.dice, &[ROADS], &["[", "]", "Point", "1e9", "-1", "Line"]);
-    let files = [("raster", &raster), ("wind.csv", &wind), ("samples.csv", &samples), ("roads.geojson", &roads)];
+    let files = [
+        ("raster", &raster),
+        ("wind.csv", &wind),
+        ("samples.csv", &samples),
+        ("roads.geojson", &roads),
+        ("own.fmd", &fuels),
+        ("winds.atm", &list),
+        ("perimeter.geojson", &perimeter),
+    ];
     let paths = files.map(|(name, bytes)| case.write(name, bytes).display().to_string());
-    case.input = [raster.as_slice(), &wind, &samples, &roads].concat();
+    case.input = files.map(|(_, bytes)| bytes.as_slice()).concat();
     let key = *one_of(&mut case.dice, &["fuel_map", "elevation", "fuel_map"]);
     let mut changes = vec!["fire.model=rothermel".to_owned()];
-    match below(&mut case.dice, 5) {
+    match below(&mut case.dice, 10) {
         0 => changes.push(format!("fire.rothermel.{key}={}", paths[0])),
         1 => changes.push(format!("wind_file={}", paths[1])),
         2 => changes.push(format!("weather={{ samples = \"{}\" }}", paths[2])),
         3 => changes.push(format!("landscape={{ roads_file = \"{}\" }}", paths[3])),
+        4 => changes.push(format!("fuel_file={}", paths[4])),
+        5 => changes.push(format!("wind_file={}", paths[5])),
+        6 => changes.push(format!("wind=[{{ speed = \"{}\", from = \"{}\" }}]", paths[0], paths[0])),
+        7 => changes.push(format!("ignition=[{{ at_s = 1, perimeter = \"{}\" }}]", paths[6])),
+        8 => changes.push(format!("barrier=[{{ file = \"{}\" }}]", paths[6])),
         _ => changes.push(format!("ignition=[{{ at_s = 1, random = 2, density = \"{}\" }}]", paths[0])),
     }
     match scenario::load("wumpus-alone", &changes) {
