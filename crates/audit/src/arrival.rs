@@ -297,7 +297,7 @@ pub struct Arrivals<'a> {
     crown_beds: Vec<FuelBed>,
     /// On a plane without trees: by interval, fuel and line, the disc after the others.
     plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
-    /// Whether only the wind differs from place to place: on a plane without trees.
+    /// True if only the wind differs from place to place: on a plane without trees.
     is_smooth: bool,
     /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
     kept: Vec<(u64, Ellipse)>,

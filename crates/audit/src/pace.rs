@@ -63,7 +63,7 @@ impl Wheels {
     fn set(&mut self, curvature: f64, max_s: f64) -> Result<(), ViolationKind> {
         let angle_rad = ops::atan2(self.limits.wheelbase_m * curvature, 1.0);
         let turn_rad = (angle_rad - std::mem::replace(&mut self.angle_rad, angle_rad)).abs();
-        // What is left of the time at a stand is gone once the next curvature is set.
+        // The remaining time at a stand is lost once the next curvature is set.
         self.behind_s = f64::max(0.0, self.behind_s + turn_rad / self.limits.rate_rad_s);
         let is_late = self.behind_s > max_s + TURNING_NOISE_S;
         if is_late { Err(ViolationKind::Steering { behind_s: self.behind_s, max_s }) } else { Ok(()) }

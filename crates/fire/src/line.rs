@@ -254,7 +254,7 @@ impl Line {
         }
         // By cell first, so that of the builders that come to a cell the earliest stays.
         cells.sort_by(|a, b| frame.index(a.cell).cmp(&frame.index(b.cell)).then(a.time_s.total_cmp(&b.time_s)));
-        // Whoever comes first clears the cell, and later builders find it done.
+        // The first crew to arrive clears the cell; later ones find it done.
         cells.dedup_by_key(|line| line.cell);
         cells.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.along_m.total_cmp(&b.along_m)));
         cells

@@ -28,7 +28,7 @@ pub fn read_input(
                 None
             }
             WindowEvent::KeyboardFocusLost(_) => {
-                // Whoever has the focus by then gets the release of the key, and shift would stay down here.
+                // The release of the key goes to the window that has the focus by then, and shift would stay down here.
                 *is_shifted = false;
                 None
             }

@@ -17,7 +17,7 @@ pub fn explanation<'a>(
     let is_stuck = computed.walk.as_ref().is_some_and(|walk| walk.path.minimum.is_some());
     let has_path = computed.walk.as_ref().is_some_and(|walk| walk.path.answer == WalkResult::Reached);
     let dearer = cost(computed).zip(find("astar").and_then(cost)).map(|(cost, min)| match cost - min {
-        // Costs need only be equal but for rounding: sums of the same steps in another order differ in their last digits.
+        // Costs are equal up to rounding: sums of the same steps in another order differ in their last digits.
         excess if excess > 1e-9 * min => format!("{} % longer than that of A*", percent(excess / min)),
         excess if excess < -1e-9 * min => format!("{} % shorter than that of A*", percent(-excess / min)),
         _ => "as long as that of A*".to_owned(),

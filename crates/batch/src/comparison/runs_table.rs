@@ -58,7 +58,7 @@ pub struct RunsTable {
     pub numbers: Vec<u64>,
     /// Runs whose bush counts do not add up, with the reason.
     pub impossible: BTreeMap<usize, String>,
-    /// Why runs failed, of the first of them.
+    /// The reason of the first failed run.
     pub messages: BTreeMap<usize, String>,
     /// Failed queries of each run by reason, such as `timed_out`, as far as the table has columns for them.
     pub failures: Vec<(String, Vec<u64>)>,
@@ -153,7 +153,7 @@ impl RunsTable {
             // Levels are numbered as they come: texts are kept once, not once a run.
             for (place, condition, index_of) in &mut conditions {
                 let level = table.bytes(*place);
-                // Each value is checked, as whoever wrote the table chose how many there are.
+                // Each value is checked: a table may state any number of them.
                 if level.len() > MAX_LEVEL_BYTES || index_of.len() > MAX_LEVELS {
                     return Err(table.wrong_value(*place, "at most 1000 bytes, and 10000 values in all").into());
                 }

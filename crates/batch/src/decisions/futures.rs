@@ -47,7 +47,7 @@ pub struct SelectedDecisions {
 /// The surroundings of a cell just before a decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellFeatures {
-    /// How long it has burned, in seconds; 0 if it does not burn yet.
+    /// Seconds since it caught fire; 0 if it does not burn yet.
     pub burning_s: f64,
     /// Bushes within [`NEAR_M`] that can burn, and that do, itself left out.
     pub intact_near: u64,
@@ -259,7 +259,7 @@ impl CounterfactualRunner {
             Action::Go(cell) => Some(cell),
             _ => None,
         };
-        // What trucks lose is what an arsonist gains.
+        // A loss of the trucks is a gain of the arsonist.
         let sign = if decision.agent.id.role.suppresses() { 1.0 } else { -1.0 };
         for future in futures {
             // Choices are compared in one future, so that their difference is theirs and not that of the luck in it.

@@ -86,7 +86,7 @@ fn contrasts(planner: &str, against: &str, rows: &[DriveQuery]) -> Vec<DriveCont
     let success = contrast("success", "success", MetricKind::Answer { column: "success", yes: "true" }, &solved);
     let figures = FIGURES.iter().filter_map(|(heading, measure)| {
         let numbers: Vec<[f64; 2]> = (pairs.iter())
-            // A goal that only one planner solved has one length; a mean over it would favour whoever fails on far goals.
+            // A goal that only one planner solved has one length; a mean over it would favour planners that fail on far goals.
             .filter(|pair| pair.iter().all(|row| row.solved().is_some()))
             .filter_map(|[theirs, ours]| Some([measure.number(theirs)?, measure.number(ours)?]))
             .collect();

@@ -140,7 +140,7 @@ impl<'a> TableReading<'a> {
         }
         let seed = reader.place(SEED);
         let certified = reader.place(CERTIFIED_COLUMN.name);
-        // What the program does not know is a key that was swept: its name is the user's.
+        // A column unknown to the program is a key that was swept: its name is the user's.
         let keys: Vec<usize> = (0..reader.columns().len())
             .filter(|place| !(columns.contains(place) || [seed, certified].contains(&Some(*place))))
             .collect();

@@ -73,7 +73,7 @@ mod tests {
             ("x=90210y 902100 90210", "x=-y 902100 -"),
             ("File \"/autograder/submission/mine.py\", line 3", "File \"mine.py\", line 3"),
             ("/autograder/source/rules.toml:3: fixed by ../course/rules.toml", "rules.toml:3: fixed by rules.toml"),
-            ("in /home/instructor/course/: No such file", "in course: No such file"),
+            ("in /srv/class/course/: No such file", "in course: No such file"),
             ("12 km/h (see seeds/90210.csv)", "12 km/h (see -.csv)"),
             ("", ""),
         ] {

@@ -79,11 +79,7 @@ pub(crate) fn road_cells(
     frame: &FieldFrame,
     layers: Option<&ImportedLayers>,
 ) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
-    let mut shapes = Shapes { are_lines: true, ..Shapes::default() };
-    let mut json = serde_json::Deserializer::from_str(text);
-    Member(&mut shapes).deserialize(&mut json)?;
-    json.end()?;
-    Ok(shapes.crossed(frame, layers))
+    Ok(Shapes::read(text, true)?.crossed(frame, layers))
 }
 
 /// Reads the polygons of a GeoJSON text, in the same coordinates, and marks by 1 the cells whose middles are inside.
@@ -96,11 +92,7 @@ pub(crate) fn area_cells(
     frame: &FieldFrame,
     layers: Option<&ImportedLayers>,
 ) -> Result<Result<Vec<u8>, String>, serde_json::Error> {
-    let mut shapes = Shapes::default();
-    let mut json = serde_json::Deserializer::from_str(text);
-    Member(&mut shapes).deserialize(&mut json)?;
-    json.end()?;
-    Ok(shapes.inside(frame, layers))
+    Ok(Shapes::read(text, false)?.inside(frame, layers))
 }
 
 /// Marks by 1 the cells that polygons of a GeoJSON text cover and those that its lines cross.
@@ -143,6 +135,15 @@ struct Shapes {
 }
 
 impl Shapes {
+    /// Reads the lines of a GeoJSON text, or its polygons.
+    fn read(text: &str, are_lines: bool) -> Result<Self, serde_json::Error> {
+        let mut shapes = Self { are_lines, ..Self::default() };
+        let mut json = serde_json::Deserializer::from_str(text);
+        Member(&mut shapes).deserialize(&mut json)?;
+        json.end()?;
+        Ok(shapes)
+    }
+
     /// Draws the polygons on cells.
     ///
     /// # Errors

@@ -149,7 +149,7 @@ impl ProgramPool {
         let path = table.works_in.join(file);
         let limits = table.module_limits();
         let key = (path, limits.memory);
-        // Held while compiling: whoever needs the same module waits instead of compiling it as well.
+        // Held while compiling: another thread that needs the same module waits instead of compiling it as well.
         let mut modules = self.modules.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {
             return Ok(module.clone());

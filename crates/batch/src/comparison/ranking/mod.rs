@@ -109,7 +109,7 @@ pub struct RankedEntry {
     pub queries: QueryTally,
     /// Failed queries by reason, such as `timed_out`, without reasons that never occurred.
     pub failures: Vec<(String, u64)>,
-    /// Why the first of its failed runs failed.
+    /// The reason of its first failed run.
     pub first_failure: Option<String>,
     /// The table that contains its runs.
     pub table: PathBuf,

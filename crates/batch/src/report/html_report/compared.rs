@@ -82,7 +82,7 @@ impl Compared {
             of_seeds
                 .iter()
                 .zip(bushes)
-                // The number is rounded, as a share times a number of bushes is a whole number but for its last bits.
+                // A share times a number of bushes is a whole number up to rounding errors, which are removed here.
                 .map(move |(&number, &bushes)| if is_in_bushes { f64::round(number * bushes) } else { number })
         };
         let names = labels.distinct(&planner_dimensions);
