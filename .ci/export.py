@@ -1,7 +1,7 @@
 """Reads the exports of one run with the packages of others, and holds them against each other.
 
 Usage: export.py NAME, for NAME.json, NAME.npz, NAME.mcap and, where they are there, NAME.schema.json (what `wildfire schema
-export` prints) and NAME.wildfire (the recording, read by docs/recording-format.md). Needs the packages mcap and numpy,
+export` prints) and NAME.wildfire (the recording, read by docs/output-files.md). Needs the packages mcap and numpy,
 and jsonschema for the schemas."""
 
 import base64
@@ -123,7 +123,7 @@ def check_mcap(run, path):
 
 
 class Bytes:
-    """The primitives of docs/recording-format.md."""
+    """The primitives of docs/output-files.md."""
 
     def __init__(self, data):
         self.data, self.at = data, 0

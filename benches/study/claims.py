@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tables of docs/study.md from the rows of its batches: `claims.py planners/runs.csv searches/runs.csv`.
+"""Tables of docs/paper/study.md from the rows of its batches: `claims.py planners/runs.csv searches/runs.csv`.
 
 Prints means over seeds: bushes that each planner extinguishes, and whose search takes more CPU time.
 """

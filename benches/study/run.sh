@@ -1,5 +1,5 @@
 #!/bin/sh
-# The study of docs/study.md from nothing: its runs, tables and figures.
+# The study of docs/paper/study.md from nothing: its runs, tables and figures.
 #
 #     SEEDS=1..40 benches/study/run.sh PROGRAM FOLDER [PICTURES]
 #

@@ -1,4 +1,4 @@
-"""Measure the pieces of docs/pieces.md beside the pure Python that courses use: ``python pieces.py [RUNS]``.
+"""Measure the pieces of docs/python.md beside the pure Python that courses use: ``python pieces.py [RUNS]``.
 
 Prints milliseconds of CPU time, the median of several runs, after a check that both give the same answers.
 """

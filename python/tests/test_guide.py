@@ -13,7 +13,7 @@ GUIDE = pathlib.Path(__file__).parents[2] / "docs"
 
 
 @pytest.mark.skipif(not GUIDE.exists(), reason="the guide is in the repository")
-@pytest.mark.parametrize("page", ["python.md", "pieces.md"])
+@pytest.mark.parametrize("page", ["python.md"])
 def test_the_guide_shows_what_happens(page: str) -> None:
     tested = doctest.testfile(str(GUIDE / page), module_relative=False)
     assert tested.failed == 0 and tested.attempted > 20

@@ -1,4 +1,4 @@
-"""Published names of the package are still there, as `docs/stability.md` promises.
+"""Published names of the package are still there, as `docs/command-line.md` promises.
 
 ``WILDFIRE_REWRITE_DATA=1 pytest tests/test_stability.py`` adds the names of today to `names.txt`.
 """

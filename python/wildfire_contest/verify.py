@@ -1,7 +1,7 @@
 """A second referee for recordings of the contest: `python verify.py RECORDING|FOLDER..`
 
 This file needs nothing but Python 3.9 and shares no code with the program or its audit. It was written from two pages of
-the guide, "The format of recordings" and "Audit". It checks again:
+the guide, "Output files" (recordings) and "The arena" (audit). It checks again:
 
 - bodies of trucks and Wumpuses against bushes, blocked cells and the edge along their whole paths; trucks against trucks
 - turning radius, speeds and accelerations; that legs begin where and when their agent rests, or replace what was driven
@@ -29,7 +29,7 @@ from collections import deque, namedtuple
 MAX_PAYLOAD_BYTES, MAX_SIDE, MAX_AGENTS = 65_554_432, 4096, 2000
 # The format permits more; these limits keep a hostile file from taking all memory or more than a minute.
 MAX_FACTS, MAX_PIECES, MAX_BUSHES, MAX_WORK = 500_000, 1_000_000, 1_000_000, 5_000_000
-DEPTH_M = 0.001  # the depth to which bodies may overlap: the tolerance in docs/audit.md
+DEPTH_M = 0.001  # the depth to which bodies may overlap: the tolerance in docs/arena.md
 POSE_M = 1e-5  # the difference by rounding between two descriptions of a pose
 SPEED_MPS = 1e-3  # the difference by rounding between the speeds of consecutive pieces
 RELATIVE = 1e-6  # the share by which rounding exceeds a limit

@@ -17,7 +17,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
-use wildfire::batch::table::{AGENT_COLUMNS, RUN_COLUMNS};
+use wildfire::batch::decisions::DECISION_COLUMNS;
+use wildfire::batch::drives::DRIVE_COLUMNS;
+use wildfire::batch::table::{AGENT_COLUMNS, CALL_COLUMNS, Column, RUN_COLUMNS, STATE_COLUMNS};
 use wildfire::picture::film::{BINDINGS, Layer};
 use wildfire::scenario::BUILT_IN;
 
@@ -31,12 +33,14 @@ fn read(page: &str) -> String {
     fs::read_to_string(root().join(page)).unwrap_or_else(|error| panic!("{page}: {error}"))
 }
 
-/// The README and the chapters of the guide.
+/// The README, the chapters of the guide, and the papers and generated pages below it.
 fn pages() -> Vec<String> {
-    let chapters = fs::read_dir(root().join("docs")).expect("the guide is there");
-    let names = chapters.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
-    let mut pages: Vec<_> = names.filter(|name| name.ends_with(".md")).map(|name| format!("docs/{name}")).collect();
-    pages.push("README.md".to_owned());
+    let mut pages = vec!["README.md".to_owned()];
+    for folder in ["docs", "docs/paper", "docs/reference"] {
+        let files = fs::read_dir(root().join(folder)).expect("the guide is there");
+        let names = files.map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned());
+        pages.extend(names.filter(|name| name.ends_with(".md")).map(|name| format!("{folder}/{name}")));
+    }
     pages.sort();
     pages
 }
@@ -246,56 +250,37 @@ hold! {
     overview: "docs/README.md", pictures below 0;
     arena: "docs/arena.md", pictures below 0;
     assignment: "docs/assignment.md", pictures below 0;
-    audit: "docs/audit.md", pictures below 0;
     batches: "docs/batches.md", pictures below 0;
-    cluster: "docs/cluster.md", pictures below 0;
     command_line: "docs/command-line.md", pictures below 0;
     compare_and_report: "docs/compare-and-report.md", pictures below 0;
-    costs: "docs/costs.md", pictures below 0;
-    credit: "docs/credit.md", pictures below 0;
-    crown_fire: "docs/crown-fire.md", pictures below 0;
-    initial_attack: "docs/initial-attack.md", pictures below 0;
-    curves: "docs/curves.md", pictures below 60_000;
-    dispatch: "docs/dispatch.md", pictures below 0;
-    fallbacks: "docs/fallbacks.md", pictures below 0;
-    first_hour: "docs/first-hour.md", pictures below 0;
+    decisions: "docs/decisions.md", pictures below 40_000;
+    fire: "docs/fire.md", pictures below 0;
     fire_behavior: "docs/fire-behavior.md", pictures below 0;
-    fire_calculators: "docs/fire-calculators.md", pictures below 0;
-    fire_spread: "docs/fire-spread.md", pictures below 200_000;
-    fire_validation: "docs/fire-validation.md", pictures below 0;
+    fire_spread: "docs/fire-spread.md", pictures below 300_000;
     grid_maps: "docs/grid-maps.md", pictures below 100_000;
     installing: "docs/installing.md", pictures below 0;
-    judge: "docs/judge.md", pictures below 0;
-    landscapes: "docs/landscapes.md", pictures below 0;
-    lessons: "docs/lessons.md", pictures below 0;
-    line: "docs/line.md", pictures below 0;
-    modules: "docs/modules.md", pictures below 0;
-    maps_of_fire: "docs/maps-of-fire.md", pictures below 300_000;
+    instructors: "docs/instructors.md", pictures below 0;
+    learners: "docs/learners.md", pictures below 0;
     output_files: "docs/output-files.md", pictures below 0;
     own_planner: "docs/own-planner.md", pictures below 0;
-    paper: "docs/paper.md", pictures below 40_000;
-    pieces: "docs/pieces.md", pictures below 0;
+    planner_authors: "docs/planner-authors.md", pictures below 0;
     planning_drives: "docs/planning-drives.md", pictures below 100_000;
-    play: "docs/play.md", pictures below 0;
     policies: "docs/policies.md", pictures below 0;
     python: "docs/python.md", pictures below 0;
-    recording_format: "docs/recording-format.md", pictures below 0;
     scenarios: "docs/scenarios.md", pictures below 0;
-    stability: "docs/stability.md", pictures below 0;
-    study: "docs/study.md", pictures below 400_000;
-    together: "docs/together.md", pictures below 0;
-    train: "docs/train.md", pictures below 40_000;
+    students: "docs/students.md", pictures below 0;
     watch: "docs/watch.md", pictures below 3_000_000;
-    weather_and_water: "docs/weather-and-water.md", pictures below 0;
-    why: "docs/why.md", pictures below 0;
-    words: "docs/words.md", pictures below 0;
     your_assignment: "docs/your-assignment.md", pictures below 100_000;
+    paper: "docs/paper/paper.md", pictures below 40_000;
+    lists: "docs/paper/lists.md", pictures below 0;
+    study: "docs/paper/study.md", pictures below 400_000;
+    columns: "docs/reference/columns.md", pictures below 0;
 }
 
 #[test]
 fn readme_can_be_read_in_one_sitting() {
     let lines = read("README.md").lines().count();
-    assert!(lines <= 150, "the README has {lines} lines");
+    assert!(lines <= 130, "the README has {lines} lines");
 }
 
 #[test]
@@ -443,24 +428,33 @@ fn every_figure_of_an_assignment_has_a_picture_of_a_command_on_its_page() {
     }
 }
 
-#[test]
-fn every_column_is_explained() {
-    let page = read("docs/output-files.md");
-    let runs = RUN_COLUMNS.iter().map(|column| column.name);
-    let agents = AGENT_COLUMNS.iter().map(|column| column.name);
-    let missing: Vec<_> = runs.chain(agents).filter(|name| !page.contains(&format!("`{name}`"))).collect();
-    assert!(missing.is_empty(), "the guide does not explain {missing:?}");
+/// The rows of a table of columns.
+fn rows_of<F>(columns: &[Column<F>]) -> String {
+    let row = |column: &Column<F>| format!("| `{}` | {} | {} |\n", column.name, column.unit.symbol(), column.description);
+    columns.iter().map(row).collect()
 }
 
 #[test]
-fn every_column_of_parquet_files_is_explained() {
-    let page = read("docs/output-files.md");
-    for table in ["runs", "planner-calls", "states"] {
-        let schema = output_of(children::program().args(["schema", table])).stdout;
-        let schema: serde_json::Value = serde_json::from_slice(&schema).expect("a schema is JSON");
-        let columns = schema["properties"].as_object().expect("a schema has properties").keys();
-        let missing: Vec<_> = columns.filter(|name| !page.contains(&format!("`{name}`"))).collect();
-        assert!(missing.is_empty(), "the guide does not explain {missing:?} of {table}");
+fn page_of_columns_is_what_the_tables_have() {
+    const PAGE: &str = "docs/reference/columns.md";
+    let tables = [
+        ("runs.csv, runs.parquet", rows_of(RUN_COLUMNS)),
+        ("agents.csv", rows_of(AGENT_COLUMNS)),
+        ("planner_calls.parquet", rows_of(CALL_COLUMNS)),
+        ("states.parquet", rows_of(STATE_COLUMNS)),
+        ("decisions.parquet", rows_of(DECISION_COLUMNS)),
+        ("Queries of `wildfire plan` and `judge`", rows_of(DRIVE_COLUMNS)),
+    ];
+    let page = read(PAGE);
+    let (opening, _) = page.split_once("\n## ").expect("an opening before the tables");
+    let sections = tables.iter().map(|(title, rows)| {
+        format!("\n## {title}\n\n| column | unit | meaning |\n|---|---|---|\n{rows}")
+    });
+    let expected = format!("{opening}{}", sections.collect::<String>());
+    if rewriting() {
+        fs::write(root().join(PAGE), expected).expect("the page can be written");
+    } else {
+        assert_eq!(page, expected, "`WILDFIRE_REWRITE_DOCS=1 cargo test --test cli readme` writes the page");
     }
 }
 

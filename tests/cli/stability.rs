@@ -1,4 +1,4 @@
-//! Names that were published are still there, as `docs/stability.md` promises: `tests/data/names.txt` lists them. A name may
+//! Names that were published are still there, as `docs/command-line.md` promises: `tests/data/names.txt` lists them. A name may
 //! be added and is then promised too, from the release whose list has it.
 //! `WILDFIRE_REWRITE_DATA=1 cargo test --test cli stability` adds the names of today.
 

@@ -1,6 +1,6 @@
 //! Conformance of fire behavior: what independent programs answered to the same questions, row by row.
 //!
-//! With `--nocapture` the tests print the tables of `docs/fire-validation.md`.
+//! With `--nocapture` the tests print the tables of `docs/fire-behavior.md`.
 //!
 //! Columns that begin with `s_` and `t_` come from a second implementation of the same equations, with loads rounded in
 //! lb/ft2 and exact in tons per acre; those with `p_` from pyretechnics in 64 bits, those with `b_` from BEHAVE.

@@ -8,7 +8,7 @@
 //! The surface exchanges heat with air and sky and water with the air; within the stick, water moves by diffusion of vapour
 //! and of bound water. NFDRS4 computes the same temperatures of the surface. Its humidity at the surface is not published:
 //! here the sorption takes place at the mean of the temperatures of air and surface, which is nearest to its answers
-//! (`docs/weather-and-water.md` says how near). Capillary flow of free water and the water of
+//! (`docs/fire-spread.md` says how near). Capillary flow of free water and the water of
 //! dew are left out; rain and the hour after it follow NFDRS4's answers.
 
 use std::f64::consts::PI;

@@ -106,7 +106,7 @@ fn crews_contain_fires_as_contain_says() {
 }
 
 #[test]
-#[ignore = "takes minutes; it prints the figures of docs/line.md and draws its picture"]
+#[ignore = "takes minutes; it prints the figures of docs/fire-spread.md and draws its picture"]
 fn two_hundred_cases() {
     for cells in [100.0, 200.0, 400.0] {
         let compared: Vec<Compared> = (0..200).map(|case| compare(case, cells)).collect();
