@@ -347,9 +347,11 @@ impl<'a> Arrivals<'a> {
             let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
             arrivals.kept = vec![(NEVER, Ellipse::NEVER); kept];
         }
+        // After `kept` is made, as directions on relief follow from ellipses that are kept there.
         arrivals.draw_lines(plane);
         // As far as the longest line reaches: nearer lines then need not look at the fuel of each cell.
         arrivals.is_alike = alike(frame, &arrivals.fuel, arrivals.reach()[0].max(3));
+        // After the lines, whose times it holds.
         if let Some(gradient) = plane {
             arrivals.plane = arrivals.on_plane(gradient);
         }
@@ -360,6 +362,7 @@ impl<'a> Arrivals<'a> {
     fn draw_lines(&mut self, plane: Option<DVec2>) {
         for interval in 0..self.beds.len() {
             let ellipses: Vec<Ellipse> = match plane {
+                // Without refinement no ellipse matters.
                 _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
                     (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, 0, gradient)).collect()
@@ -377,6 +380,7 @@ impl<'a> Arrivals<'a> {
             let cell_m = self.frame.cell_m;
             let mut lines = Vec::new();
             for &(cols, rows) in directions.steps() {
+                // Lines lead to the cell, steps away from it.
                 let existing = self.lines.iter().position(|line| (line.cols, line.rows) == (-cols, -rows));
                 lines.push(existing.unwrap_or(self.lines.len()));
                 if existing.is_none() {
@@ -389,6 +393,7 @@ impl<'a> Arrivals<'a> {
                     self.disc.push(StraightLine::new(-cols, -rows, cell_m));
                 }
             }
+            // Those that later sets add lie beyond the end, which counts as absent.
             let is_of_disc = self.disc.iter().map(|line| disc.contains(&(-line.cols, -line.rows))).collect();
             let is_taken = (0..self.lines.len()).map(|line| lines.contains(&line)).collect();
             self.sets.push(LineSet { directions, lines, is_taken, is_of_disc });
@@ -644,6 +649,7 @@ impl<'a> Arrivals<'a> {
             return ends.into_iter().map(|index| self.ellipse(interval, index).travel_s(v)).sum::<f64>() / 2.0;
         }
         let mut seconds = 0.0;
+        // By index, as `ellipse` borrows all of `self`.
         for place in 0..self.line(number).crossed.len() {
             let (offset, part) = self.line(number).crossed[place];
             let index = self.near(cell, offset);
@@ -703,6 +709,7 @@ impl<'a> Arrivals<'a> {
         // Both in seconds after the first ignition, so that differences of nanoseconds stay exact.
         let t2 = between_s + beyond2 - ellipse.drift_s(v2);
         let w = v2 - v1;
+        // Lengths from here on are in the metric of the ellipse, in which fire covers one unit a second.
         let length = ellipse.product(w, w).sqrt();
         let along = ellipse.product(v1, w) / length;
         let height = (ellipse.product(v1, v1) - along * along).max(0.0).sqrt();
@@ -712,6 +719,7 @@ impl<'a> Arrivals<'a> {
             return NEVER;
         }
         let stretch = 1.0 / (1.0 - rise * rise).sqrt();
+        // In that metric the ray to the cell is at a right angle to the front, which fixes where it starts.
         let part = (-rise * height * stretch - along) / length;
         // Written so that a part that is not a number is refused too.
         if !(0.0 < part && part < 1.0) {

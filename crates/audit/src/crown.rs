@@ -7,6 +7,7 @@ use wildfire_base::geometry::{DVec2, DVec3, ops};
 use wildfire_fire::surface::crown::{Canopy, CrownMethod, CrownRules};
 use wildfire_fire::surface::{Ellipse, FuelBed, SurfaceOptions, WindLimit, unsheltered_adjustment};
 
+// Written out again, as the model's code for crowns is not used here.
 const FOOT_M: f64 = 0.3048;
 
 /// More than any wind that is looked for, m/s.
@@ -49,6 +50,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
 
     let surface = surface_at(speed);
     let heat = surface.reaction_intensity_kw_m2 * surface.residence_s;
+    // Heat of ignition in kJ/kg, by the moisture in percent (Van Wagner, 1977).
     let kilojoules = 460.0 + 25.9 * (100.0 * rules.foliar_moisture).max(30.0);
     let critical = ops::pow(0.010 * canopy.base_m.max(0.1) * kilojoules, 1.5);
     // Below Van Wagner's critical intensity the crowns do not catch fire.
@@ -58,6 +60,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     let crown = crown_at(speed);
     // From 3 kg of crowns per square metre and minute a fire runs through them by itself.
     if flow(crown) >= 3.0 {
+        // Rothermel (1991): an eighth for each mile per hour.
         let ratio = 1.0 + 0.125 * speed / 0.44704;
         let heading = match toward {
             DVec2::ZERO => surface.heading,

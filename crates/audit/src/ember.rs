@@ -38,6 +38,7 @@ pub fn audit_embers(
             ChangeKind::Ignited(cause) => Some((change, cause)),
             _ => None,
         });
+        // Episodes count from 1, and the embers of each are other draws.
         for ((change, cause), episode) in ignitions.zip(1..) {
             let source = ember_source((landscape, weather, rules), change, cause, episode);
             sparks.extend(source.iter().flat_map(|source| thrown(&embers, source, landscape, weather)));

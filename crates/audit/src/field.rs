@@ -188,6 +188,7 @@ impl AuditField {
         let side_m = self.side_m;
         let [cols, rows] = self.squares;
         let is_inside = |square: usize, extent: f64| {
+            // All of the square has to be that far inside.
             square as f64 * side_m >= radius_m && (square + 1) as f64 * side_m <= extent - radius_m
         };
         for row in 0..rows {

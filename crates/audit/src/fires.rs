@@ -76,6 +76,7 @@ impl<'a> FollowedFires<'a> {
             (_, Bush::Burning { since, .. }) => self.burned_out(cell, since, event.time),
         };
         self.bushes[index] = change.map_err(violation)?;
+        // The rest of a piece follows in the same instant, so `check_pieces` looks when that is over.
         self.changed.extend(self.setting.pieces.get(index));
         self.changed_at = event.time;
         Ok(())

@@ -19,6 +19,7 @@ const NOISE: f64 = 1e-6;
 
 /// Holds the speeds of a truck's drives against the ground, if that slows it; returns the first violation.
 pub fn audit_ground(setting: &Setting, driven: &DrivenLegs<'_>, limits: Option<SpeedLimits>) -> Result<(), Violation> {
+    // Trucks that no ground slows have no shares, and early recordings no limits.
     let shares = setting.ground_shares.iter().find(|(truck, _)| *truck == driven.id).map(|(_, shares)| shares);
     let (Some(shares), Some(spread), Some(limits)) = (shares, &setting.spread, limits) else { return Ok(()) };
     let frame = setting.frame;
@@ -39,7 +40,9 @@ pub fn audit_ground(setting: &Setting, driven: &DrivenLegs<'_>, limits: Option<S
                 for look in 0..=looks {
                     let travelled_m = segment.length_m * f64::from(look) / f64::from(looks);
                     let place = segment.pose_at(start, travelled_m).position();
+                    // The square of the speed is linear along the way.
                     let squared = speed_mps * speed_mps + 2.0 * acceleration_mps2 * travelled_m.abs();
+                    // Rounding may take it below 0 where the truck comes to a stop.
                     let found_mps = squared.max(0.0).sqrt();
                     // The fastest of the cells nearby, as a pose on their border may count as either.
                     let limit_mps = limit_mps * share_near(place);

@@ -131,6 +131,7 @@ impl LegAudit<'_> {
         segment: Segment,
         drive: DriveProfile,
     ) -> Result<LegMoment, LegViolation> {
+        // A recording may hold any numbers, and NaN would pass the comparisons below.
         let numbers = [segment.curvature, segment.length_m, drive.seconds, drive.fastest_mps()];
         if !numbers.into_iter().all(f64::is_finite) {
             return Err(now.broken(ViolationKind::NotANumber));
@@ -142,6 +143,7 @@ impl LegAudit<'_> {
             return Err(now.broken(ViolationKind::Endless));
         }
         let start = UnitPose::new(now.pose);
+        // Exact, as the work is bounded far below 2^53.
         let count = way.count as u64;
         let mut at = start;
         for step in 1..=count {

@@ -31,6 +31,7 @@ pub fn audit_line(timeline: &Timeline) -> Result<(), Violation> {
         let place = frame.centre(cell);
         let number = usize::from(flank);
         let along_m = f64::from(along_mm) / 1000.0;
+        // Line that does not hold is a fault where line cannot be lost.
         let rules = setting.line.as_ref().filter(|rules| holds || rules.can_be_lost);
         flanks.resize(flanks.len().max(number + 1), None);
         let built = FollowedFlank { first: place, first_m: along_m, last: place, along_m, cells: 0.0 };

@@ -100,6 +100,7 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
         let drive = DriveProfile::new(segment.length_m.abs(), entry_mps, acceleration_mps2);
         // Between forward and reverse a vehicle stands for an instant.
         if direction.is_some_and(|reverse| reverse != segment.is_reverse()) {
+            // The stop needs brakes; the start in the other direction is checked below.
             check_jump(limits, speed_mps, 0.0).map_err(at)?;
             speed_mps = 0.0;
         }
@@ -107,6 +108,7 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
         check_drive(limits, &drive, segment.curvature, segment.is_reverse()).map_err(at)?;
         if let Some(wheels) = &mut wheels {
             wheels.set(segment.curvature, STEERING_STEP_S).map_err(at)?;
+            // What is left to turn is turned on the first part of the segment.
             wheels.drive(drive.seconds);
         }
         (speed_mps, direction) = (drive.exit_mps, Some(segment.is_reverse()));

@@ -49,6 +49,7 @@ pub fn audit_timeline(timeline: &Timeline, step: SampleStep) -> Verdict {
         }
     }
     violations.push(audit_meetings(&drivers, timeline.end_time(), step).err());
+    // Where fire goes over ground, `audit_spread` follows the bushes on it too.
     violations.push(if setting.spread.is_some() { audit_spread(timeline) } else { audit_fires(timeline) }.err());
     violations.push(audit_line(timeline).err());
     violations.push(audit_water(timeline).err());

@@ -139,6 +139,7 @@ impl<'a> States<'a> {
                 let until = self.flaming.burns_out_at(cell, time).unwrap_or(SimTime::MAX);
                 Ok(FollowedCell::Burning { until })
             }
+            // Later ones were caught above, so this one is too early, or never due.
             (ChangeKind::BurnedOut, FollowedCell::Burning { until }) if until != time => {
                 let due = (until < SimTime::MAX).then_some(until);
                 Err(ViolationKind::WrongBurnOut { cell, due })
@@ -161,6 +162,7 @@ impl<'a> States<'a> {
                 if !is_left || !self.has_fuel[index] || self.wet.is_none_or(|wet| until != time + wet) {
                     return Err(ViolationKind::WrongWater { cell });
                 }
+                // The later of both, as a cleared cell must not dry.
                 self.wet_until[index] = self.wet_until[index].max(until);
                 Ok(state)
             }

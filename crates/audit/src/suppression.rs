@@ -35,6 +35,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
         timeline.setting.agents.iter().map(|start| Actor::new(start, &timeline.setting)).collect();
     let mut extinctions = 0;
     let place = |cell| timeline.setting.frame.centre(cell);
+    // What no agent did to the ground is the fire's or the crews', and is checked elsewhere.
     let mut ground = timeline.ground.iter().filter(|event| event.agent().is_some()).peekable();
     for event in &timeline.events {
         // A stop ends before its truck sets out again, at the same time.
@@ -46,6 +47,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
             let place = event.fact.cell().map(place).unwrap_or_default();
             return Err(Violation { time: event.time, agent: Some(id), place, kind: ViolationKind::WrongAgent });
         };
+        // Before the event, as following it moves the pose to the end of the leg.
         let position = actor.pose.position();
         let violation = |kind| Violation { time: event.time, agent: Some(id), place: position, kind };
         match event.fact {
@@ -59,6 +61,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
             _ => actor.follow(&timeline.setting, event).map_err(violation)?,
         }
     }
+    // Stops may end after the last event.
     for event in ground {
         extinctions += u64::from(act_on_ground(&mut actors, &timeline.setting, event)?);
     }
@@ -128,6 +131,7 @@ impl Actor {
         }
         let missing = water.full_tank - self.stops_left.unwrap_or_default();
         let span_ns = water.fill_per_stop.as_nanos().saturating_mul(missing.into());
+        // A second refill begins when the first is over.
         let due = time.max(self.refilled) + SimTime::from_nanos(span_ns);
         (self.stops_left, self.refilled) = (Some(water.full_tank), due);
         if until == due { Ok(()) } else { Err(ViolationKind::WrongRefill { due }) }
@@ -146,6 +150,7 @@ impl Actor {
         }
         let rules = &setting.rules;
         let piece = setting.piece(cell);
+        // Pieces go out together at one instant only.
         if self.served != Some(time) {
             self.served_pieces.clear();
         }
@@ -153,6 +158,7 @@ impl Actor {
         if piece.is_some_and(|piece| self.served_pieces.contains(&piece)) {
             return Ok(());
         }
+        // Recordings without this rule get the benefit of the doubt.
         if self.is_same_stop(rules.suppression_dwell, time) && rules.extinguishes_all == Some(false) {
             return Err(ViolationKind::SecondFire { cell });
         }

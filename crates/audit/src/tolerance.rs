@@ -59,6 +59,7 @@ impl Tolerance {
                 turned_rad += metres * segment.curvature.abs();
             }
         }
+        // X, s, r and d of the module's text; the way from the start bounds X.
         let farthest_m = leg.start().position().abs().max_element() + length_m;
         let of_sums = 4.0 * f64::EPSILON * (STRIDE as f64 + leg.pieces().len() as f64);
         let rounding = of_sums + 4.0 * f64::EPSILON * turned_rad;

@@ -200,6 +200,7 @@ impl fmt::Display for Violation {
 impl fmt::Display for ViolationKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
+            // Overlaps are a small part of a metre, so millimetres are easier to read.
             Self::Touched(Contact::Bush { cell, depth_m }) => {
                 write!(f, "the body is {:.1} mm deep in the bush at cell {cell}", 1e3 * depth_m)
             }
@@ -271,6 +272,7 @@ impl fmt::Display for ViolationKind {
             Self::SparedBySpread { cell, from } => {
                 write!(f, "cell {cell} does not catch fire from cell {from}, which spreads it there")
             }
+            // In nanoseconds: arrivals are compared to 20 ns, and a time prints milliseconds.
             Self::WrongArrival { cell, due: Some(due) } => {
                 write!(f, "cell {cell} catches fire at another time than fire comes there, at {} ns", due.as_nanos())
             }

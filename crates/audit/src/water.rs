@@ -28,6 +28,7 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
             _ => None,
         })
     };
+    // By agent, its stops in order of time: beginning, water taken, litres that fires have needed so far.
     let mut stops = BTreeMap::<AgentId, Vec<(SimTime, u32, f64)>>::new();
     for Event { time, fact } in &timeline.events {
         if let &Fact::Agent(id, AgentFact::Suppressing { water_units, .. }) = fact {
@@ -41,12 +42,15 @@ pub fn audit_water(timeline: &Timeline) -> Result<(), Violation> {
         let ignited = ignition(change.cell, change.time);
         let front = ignited
             .and_then(|(cell, time, cause)| spread.front(cell, time, cause, |near| Some(ignition(near, time)?.1)));
+        // Water without a stop, an ignition or a front is wrong too.
         let is_right = stop.zip(ignited).zip(front).is_some_and(|(((begins, water_units, litres), ignited), front)| {
             *litres += litres_of(front, energy, setting.frame.cell_m);
             let taken_l = f64::from(*water_units) * energy.portion_l;
             let sprayed = SimTime::from_seconds(taken_l / energy.pump_lps);
+            // Water is measured out when the stop begins, so only what burned by then has a share.
             ignited.1 <= *begins
                 && *litres <= taken_l * (1.0 + ROUNDING)
+                // The dwell comes first, and then the pump runs for as long as the water lasts.
                 && change.time == *begins + setting.rules.suppression_dwell + sprayed
         });
         if !is_right {

@@ -177,6 +177,7 @@ impl<R: Read> TextReader<R> {
             // The second half of that character is in the next block.
             self.surrogate = units.pop_if(|unit| matches!(unit, 0xD800..0xDC00));
         }
+        // A first half that waits for the next block is not decoded yet.
         let end = self.bytes_read + 2 * (pairs.len() - usize::from(self.surrogate.is_some())) as u64;
         let mut place = end - 2 * units.len() as u64;
         self.bytes_read += block.len() as u64;
@@ -229,6 +230,7 @@ pub fn list_of_at_most<'de, const MAX: usize, T: Deserialize<'de>, D: Deserializ
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
             let mut items = Vec::new();
             while let Some(item) = seq.next_element()? {
+                // An item beyond the last has been read: a list of exactly `MAX` is fine.
                 if items.len() == MAX {
                     return Err(A::Error::custom(format_args!("more than {MAX} entries; expected fewer")));
                 }

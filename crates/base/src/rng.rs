@@ -86,6 +86,7 @@ impl ShuffledPrefix {
             let places = place + 1;
             if left == 0 {
                 let mut bound = places;
+                // As many places as one number of 32 bits can decide are drawn together.
                 while let Some(product) = bound.checked_mul(places + left + 1) {
                     bound = product;
                     left += 1;

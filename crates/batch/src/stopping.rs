@@ -277,6 +277,7 @@ impl Monitor {
     pub fn new(rule: StoppingRule, plan: &BatchPlan) -> Self {
         let entries = plan.entries();
         let (estimates, questions) = match rule.goal {
+            // The best entry is compared with every other one.
             StoppingGoal::Groups { .. } => (Vec::new(), entries.len() - 1),
             _ => (rule.estimates(&swept(plan)), rule.question_count(&swept(plan))),
         };

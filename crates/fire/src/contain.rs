@@ -17,6 +17,7 @@ use wildfire_base::geometry::{DVec2, ops};
 
 use crate::surface::{LengthToWidth, length_to_width};
 
+// Square chains.
 const ACRE: f64 = 10.0;
 const MAX_ACRES: f64 = 1000.0;
 const MAX_MINUTES: f64 = 1080.0;
@@ -138,6 +139,7 @@ impl Attack {
         for steps in 1_u32.. {
             // The rate of the first three stages is that at the beginning of the step.
             let [production, then] = [time, time + step_min].map(|time| self.production(time));
+            // A step of the classical Runge-Kutta method for the angle that the builder has passed.
             let half = 0.5 * step_min;
             let first = flank.pace(passed, head, production);
             let second = flank.pace(passed + half * first, head + half * rate, production);
@@ -150,10 +152,13 @@ impl Attack {
             } else {
                 flank.point(next, head + step_min * rate)
             };
+            // Doubled, as the other flank is the mirror image of this one.
             line += 2.0 * (to - at).length();
+            // Trapezoids between flank and axis, each doubled for the other flank.
             swept += (at.y + to.y) * (to.x - at.x);
             (passed, head, at, time) = (next, head + step_min * rate, to, time + step_min);
             let area_acre = (swept.abs() + if is_closed { 0.0 } else { flank.outside(at, head) }) / ACRE;
+            // In this order: a line that closes counts, even in the step that passes a limit.
             let status = match () {
                 () if is_closed => Status::Contained,
                 () if area_acre > MAX_ACRES => Status::SizeLimit,

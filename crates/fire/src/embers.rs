@@ -107,6 +107,7 @@ impl Embers {
         let EmberSettings { per_mj, i_min_kw_m, d0, a, b, k, cross_sd_m, delay_s, .. } = self.settings;
         let EmberSource { cell, episode, time, intensity_kw_m, heat_kj_m2 } = *source;
         let frame = &landscape.frame;
+        // An ember flies in the wind of its source at its start, whatever blows farther on.
         let wind = weather.at_cell(time, frame.index(cell)).wind_mps;
         let speed = ops::hypot(wind.x, wind.y);
         if speed == 0.0 || intensity_kw_m < i_min_kw_m {
@@ -117,16 +118,19 @@ impl Embers {
         if !(mean_m > 0.0 && mean_m.is_finite()) {
             return Vec::new();
         }
+        // Moments of the logarithm with which the distance has the mean `mean_m` and `k` times that as variance.
         let spread = ops::ln(1.0 + k / mean_m);
         let typical = ops::ln(mean_m) - spread / 2.0;
         let mean_count = per_mj * heat_kj_m2 / 1000.0 * (frame.cell_m * frame.cell_m);
         let count = poisson(mean_count, Chance::new(self.seed, "ember count").uniform(cell, episode, 0));
         // A stream of its own, as the number 0 has been drawn for the count.
         let chance = Chance::new(self.seed, "embers");
+        // Calm has returned above, so there is a direction.
         let along = wind / speed;
         let across = DVec2::new(-along.y, along.x);
         (0..count)
             .filter_map(|ember: u32| {
+                // Draws are by number, so an ember that leaves the field shifts none of the others.
                 let draw = |what: u32| chance.uniform(cell, episode, DRAWS * ember + what);
                 let distance_m = ops::exp(typical + spread.sqrt() * normal(draw(DISTANCE)));
                 let aside_m = cross_sd_m * normal(draw(ACROSS));

@@ -98,6 +98,7 @@ impl FuelCells {
             grown.places[index / 64].0 |= 1 << (index % 64);
             grown.cells.push(self[index]);
         }
+        // A rank index, so that `place` counts the bits of one word only.
         let mut before = 0;
         for (bits, first) in &mut grown.places {
             *first = before;
@@ -184,6 +185,7 @@ impl FireField {
         if added.is_empty() {
             return;
         }
+        // Once for all, as it copies every cell that is there.
         self.cells.make_room(&self.fuel, self.frame.cell_count());
         for index in added {
             self.cells[index].kind = Some(BushStateKind::Intact);

@@ -85,6 +85,7 @@ impl CorrectionClass {
 /// Returns the moisture of fine dead fuel in the sun on gentle ground that faces south, as a fraction, in this month (from 1)
 /// and hour (0 to 23). Before 8:00 the correction is that of 8:00, from 20:00 on that of 18:00: the tables have no night.
 pub fn fine_dead_moisture(temperature_c: f64, humidity: f64, month: u32, hour: u32) -> f64 {
+    // Classes of temperature begin at 10 degrees Fahrenheit and are 20 wide, those of humidity 5 percent.
     let class = |number: f64, last: f64| number.clamp(0.0, last) as usize;
     let reference = reference_pct(class((1.8 * temperature_c + 22.0) / 20.0, 5.0), class(20.0 * humidity, 20.0));
     let season = match month {

@@ -120,6 +120,7 @@ impl FuelModel {
             return below.into_iter().chain(FUEL_MODELS.get(above)).collect();
         }
         let (letters, digits) = name.split_at(name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len());
+        // Of bare letters the first of the family is meant.
         let wanted: u64 = digits.parse().unwrap_or(1);
         let family = FUEL_MODELS.iter().filter_map(|model| {
             let number: u64 = model.code.get(letters.len()..)?.parse().ok()?;
@@ -150,6 +151,7 @@ impl FuelModel {
             ));
         }
         let [dead, dead_10h, dead_100h, herb, woody] = self.loads;
+        // 10-h and 100-h fuel has the same ratios in all models, so files give none.
         let [sav, _, _, sav_herb, sav_woody] = self.savs;
         let mut values = vec![
             ("1-h load in lb/ft2", dead, 0.0, 5.0),
@@ -179,6 +181,7 @@ impl FuelModel {
         if load == 0.0 {
             return Err(format!("fuel model {number}: it has no load; expected some that burns"));
         }
+        // Over the 32 lb/ft3 of dry wood.
         let packing = load / self.depth_ft / 32.0;
         if packing > MAX_PACKING {
             return Err(format!(

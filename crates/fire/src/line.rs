@@ -26,6 +26,7 @@ pub struct Forecast {
 impl Forecast {
     /// Returns the time at a place and its gradient, in seconds per metre; `None` among cells that do not burn.
     fn at(&self, place: DVec2) -> Option<(f64, DVec2)> {
+        // Times belong to centres of cells, which lie half a cell from their corners.
         let scaled = place / self.frame.cell_m - DVec2::splat(0.5);
         let low = scaled.floor();
         let part = scaled - scaled.floor();
@@ -40,6 +41,7 @@ impl Forecast {
                     .map(|cell| self.seconds[self.frame.index(cell)])
                     .filter(|time| time.is_finite())
             };
+            // Such a corner has no weight, which the division by the weights below makes up for.
             let Some(here) = node(0.0, 0.0) else { continue };
             // One-sided beside cells that do not burn.
             let rise = |before: Option<f64>, after: Option<f64>| {
@@ -56,6 +58,7 @@ impl Forecast {
         }
         let time = time / weights;
         let slope = slope / weights / self.frame.cell_m;
+        // Among cells that do not burn all weights are 0 and the time is NaN; on a plateau there is no normal.
         (time.is_finite() && slope.length_squared() > 0.0).then_some((time, slope))
     }
 
@@ -131,6 +134,7 @@ impl LineTask<'_> {
         let mut line = Line::default();
         let start = forecast.end_of_fire(self.start_s, tactic);
         let Some(mut anchor) = start.and_then(|place| forecast.on_front(place, self.start_s)) else { return line };
+        // A flank has half of the greatest rate, so no builder passes a cell between two steps.
         let step_s = forecast.frame.cell_m / STEPS_A_CELL / (self.max_mps / 2.0);
         let place = |(front, outwards): OnFront| front + offset_m * outwards;
         let mut time_s = self.start_s;
@@ -142,6 +146,7 @@ impl LineTask<'_> {
                 break;
             }
             let mut lengths_m = [0.0; 2];
+            // The place where both would begin again moves with the front too.
             let Some(with_front) = forecast.on_front(anchor.0, time_s + step_s) else { break };
             anchor = with_front;
             for (flank, side) in [(0, 1.0), (1, -1.0)] {

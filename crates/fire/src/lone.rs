@@ -58,6 +58,7 @@ impl LoneFire {
             while let Some((_, cell)) = self.ignitions.pop_if(|&mut (time, _)| time == now) {
                 self.ignite(now, cell, cell);
             }
+            // Taken out, as `ignite` borrows all of `self`, and put back for its memory.
             let mut spreads = std::mem::take(&mut self.spreads);
             self.model.take_due(now, &mut spreads);
             for Spread { cell, from, .. } in spreads.drain(..) {

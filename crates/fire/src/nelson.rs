@@ -111,10 +111,12 @@ impl Stick {
                 temperature_c: between(from.temperature_c, to.temperature_c),
                 humidity: between(from.humidity, to.humidity),
                 solar_w_m2: between(from.solar_w_m2, to.solar_w_m2),
+                // Rain is the sum of an hour and not a value at its end, so it is not interpolated.
                 rain_cm: to.rain_cm,
             };
             self.exchange(&air, uptake * step_h, from.rain_cm > 0.0);
             self.diffuse(step_h);
+            // Diffusivities vary slowly and take exponentials, so they are renewed a few times an hour, evenly spread.
             if f64::from(updated) / f64::from(updates) - share < 0.5 * step_h {
                 for (node, value) in self.diffusivity.iter_mut().enumerate() {
                     *value = diffusivity(self.temperature_c[node], self.moisture[node]);
@@ -184,6 +186,7 @@ impl Stick {
     /// Moves heat and water between the nodes. Each node weighs its own value of before against those of its neighbours
     /// (Patankar 1980, section 3.4, with old neighbours), which is stable for steps of any length.
     fn diffuse(&mut self, step_h: f64) {
+        // In cm2/h; unlike that of water it does not depend on the moisture.
         const HEAT_DIFFUSIVITY: f64 = 8.0;
         let spacing = self.spacing_cm();
         let radius = |node: usize| spacing * (NODES - 1 - node) as f64;
@@ -200,6 +203,7 @@ impl Stick {
                 mixed(&moisture, self.diffusivity[outside], self.diffusivity[inside]).min(MAX_MOISTURE);
             self.temperature_c[node] = mixed(&temperature_c, HEAT_DIFFUSIVITY, HEAT_DIFFUSIVITY);
         }
+        // No flow crosses the axis, by symmetry.
         self.moisture[NODES - 1] = self.moisture[NODES - 2];
         self.temperature_c[NODES - 1] = self.temperature_c[NODES - 2];
     }

@@ -107,12 +107,14 @@ impl Spotting {
                 let of_diameter = |[factor, exponent]: [f64; 2]| factor * ops::pow(dbh_in, exponent);
                 let flame_ft = of_diameter(species.1) * ops::pow(trees, 0.4);
                 let flame_duration = of_diameter(species.2) * ops::pow(trees, -0.2);
+                // The four fits of Albini (1979): by tree over flame height and, for low trees, by duration.
                 let (factor, exponent) = match height_ft / flame_ft {
                     ratio if ratio >= 1.0 => (4.24, 0.332),
                     ratio if ratio >= 0.5 => (3.64, 0.391),
                     _ if flame_duration < 3.5 => (2.78, 0.418),
                     _ => (4.70, 0.0),
                 };
+                // Firebrands rise from half of the height of the tree.
                 let firebrand_ft = factor * ops::pow(flame_duration, exponent) * flame_ft + 0.5 * height_ft;
                 SpotDistance { flame_ft, flame_duration, firebrand_ft, ..default }
             }

@@ -27,6 +27,7 @@ static PRUNED: [[u8; 256]; NO_MOVE + 1] = pruned();
 
 const fn pruned() -> [[u8; 256]; NO_MOVE + 1] {
     let mut table = [[0; 256]; NO_MOVE + 1];
+    // Loops count by hand, as a constant function cannot use iterators.
     let mut arrival = 0;
     while arrival < MOVES.len() {
         let mut k = 0;
@@ -37,11 +38,13 @@ const fn pruned() -> [[u8; 256]; NO_MOVE + 1] {
             while mask < 256 {
                 let mut direct = 0;
                 while direct < MOVES.len() {
+                    // One legal step from the parent to the same point costs no more than two by way of this one.
                     if MOVES[direct].0 == rows && MOVES[direct].1 == cols && mask & (1 << direct) != 0 {
                         table[arrival][mask] |= 1 << k;
                     }
                     direct += 1;
                 }
+                // Back to the parent, which is closed before any of its neighbours is expanded.
                 if rows == 0 && cols == 0 {
                     table[arrival][mask] |= 1 << k;
                 }
@@ -192,6 +195,7 @@ impl AStar {
             // The goal is settled like the others, but nothing is expanded from it.
             expansions += 1;
             let mut mask = moves.values()[index];
+            // The start arrives by no move, whose row of the table prunes nothing.
             if prunes {
                 mask &= !PRUNED[arrival][usize::from(moves.values()[parent])];
             }

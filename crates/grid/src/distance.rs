@@ -102,6 +102,7 @@ pub fn nearest_occupied(occupied: &Grid<bool>) -> Option<Grid<u32>> {
         envelope.stand_on(&heights, 1, cols as i64);
         for (site, reach) in envelope.reaches(cols as i64) {
             let site_row = nearest[(row, site as usize)].expect("arcs stand on columns with an occupied cell");
+            // The conversions lose nothing: the map was checked to have no more cells than 32 bits can number.
             cells.row_mut(row)[reach].fill((site_row * cols) as u32 + site as u32);
         }
     }
@@ -138,6 +139,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
         return;
     }
     let above = edges_above(occupied, factor as i32);
+    // The lower edge of the last occupied cell above, in steps; none was passed yet.
     let mut below = vec![-FAR; cols];
     let mut columns = vec![FAR; cols];
     let mut corners = vec![FAR; cols + 1];
@@ -159,6 +161,7 @@ pub fn squared_vertex_distances(occupied: &Grid<bool>, factor: usize, mut take: 
             envelope.lower(&corners, factor, &mut squares);
             take(vertex_row, &squares);
         }
+        // Only now: in the rows above, the cell itself is at distance 0 and hides its lower edge.
         for (col, edge) in below.iter_mut().enumerate() {
             if occupied[(row, col)] {
                 *edge = ((row + 1) * factor) as i32;

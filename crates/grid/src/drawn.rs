@@ -57,6 +57,7 @@ pub fn maze(rows: usize, cols: usize, corridor: usize, rng: &mut impl Rng) -> Gr
     assert!(corridor > 0, "a corridor is at least 1 cell wide");
     let pitch = corridor + 1;
     let mut map = Grid::filled(rows, cols, true);
+    // Each room takes one wall with it, and the border needs one cell more.
     let mut is_joined = Grid::filled(rows.saturating_sub(1) / pitch, cols.saturating_sub(1) / pitch, false);
     if is_joined.values().is_empty() {
         return map;
@@ -71,6 +72,7 @@ pub fn maze(rows: usize, cols: usize, corridor: usize, rng: &mut impl Rng) -> Gr
         match to_join.collect::<Vec<_>>().choose(rng) {
             Some(&next) => {
                 is_joined[next] = true;
+                // Neighbours differ in one coordinate only, so the smaller pair is the room in the north or west.
                 clear_rooms(&mut map, pitch, room.min(next), room.max(next));
                 trail.push(next);
             }

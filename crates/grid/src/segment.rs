@@ -66,6 +66,7 @@ impl GridPoint {
 pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, corners: CornerCutting) -> bool {
     let rows = to.row - from.row;
     let cols = to.col - from.col;
+    // Units to the next line in the direction of travel; never 0, as points lie off the lines.
     let gap = |at: i64, way: i64| if way > 0 { UNITS - at.rem_euclid(UNITS) } else { at.rem_euclid(UNITS) };
     let mut to_row_line = gap(from.row, rows);
     let mut to_col_line = gap(from.col, cols);
@@ -74,6 +75,7 @@ pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, co
         return false;
     }
     while here != end {
+        // May wrap around at the border, but then the segment ends before it would enter that cell.
         let next_row = here.0.wrapping_add_signed(rows.signum() as isize);
         let next_col = here.1.wrapping_add_signed(cols.signum() as isize);
         // The line at the smaller share of the way comes first, `to_row_line / |rows|` or `to_col_line / |cols|`.

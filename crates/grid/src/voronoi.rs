@@ -120,6 +120,7 @@ fn label_components(walled: &Grid<bool>) -> (Grid<u32>, usize) {
     }
     let mut last = 4;
     let mut front = VecDeque::new();
+    // Walls have their numbers already, so that an obstacle that touches one keeps a number apart.
     for first in (1..rows - 1).flat_map(|row| (1..cols - 1).map(move |col| (row, col))) {
         if !walled[first] || labels[first] != 0 {
             continue;

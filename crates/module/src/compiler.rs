@@ -56,18 +56,24 @@ struct HostParts {
 impl Compiled {
     pub fn new(counted: &Counted) -> Result<Self, String> {
         let mut config = Config::new();
+        // Wasmtime demands that the whole stack be larger than the part for WebAssembly.
         config.async_stack_size(STACK_BYTES + HOST_STACK_BYTES).max_wasm_stack(STACK_BYTES);
+        // Messages name the trap alone, so frames would be collected for nothing.
         config.wasm_backtrace_max_frames(None);
         let cannot = |error: Error| format!("cannot be compiled: {error}");
         let engine = Engine::new(&config).map_err(cannot)?;
         let module = wasmtime::Module::new(&engine, &counted.bytes).map_err(cannot)?;
         let mut linker = Linker::new(&engine);
+        // Counting keeps the imports and their order, so the two lists match.
         for (import, requested) in counted.imports.iter().zip(module.imports()) {
             let function = Function::of(import)?;
+            // Anything else was refused by `Function::of`.
             let of = requested.ty().func().expect("it is a function").clone();
             let added = linker.func_new_async(WASI, &import.name, of, move |mut caller, numbers, results| {
+                // No function reads an i64, such as the precision of a clock, so it may become 0.
                 let numbers = four(numbers.iter().map(|number| number.i32().unwrap_or_default().cast_unsigned()));
                 Box::new(async move {
+                    // A read without input suspends here, and is tried again once the module is polled with some.
                     let number = loop {
                         match call(&mut caller, function, numbers) {
                             Err(StopCause::NeedsInput) => wait(&mut caller).await,
@@ -78,6 +84,7 @@ impl Compiled {
                     Ok(())
                 })
             });
+            // A name that is defined already is the only reason for the linker to refuse it.
             added.map_err(|_| format!("imports `{}` twice", import.name))?;
         }
         Ok(Self(linker.instantiate_pre(&module).map_err(cannot)?))
@@ -89,11 +96,13 @@ impl Compiled {
         let data = StoreData { limits, host, parts: None, desk: Arc::clone(&desk) };
         let mut store = Store::new(self.0.module().engine(), data);
         store.limiter(|data| &mut data.limits);
+        // Modules with a start function are refused, so instantiation runs no code and never waits.
         let mut instantiation = Box::pin(self.0.instantiate_async(&mut store));
         let instance = match poll_once(instantiation.as_mut()) {
             Poll::Ready(instance) => instance.map_err(|error| message_of(&error))?,
             Poll::Pending => unreachable!("nothing waits before `_start`"),
         };
+        // It borrows the store.
         drop(instantiation);
         let start = instance.get_typed_func::<(), ()>(&mut store, "_start").map_err(|error| error.to_string())?;
         let mut export = |name| instance.get_export(&mut store, name);
@@ -104,11 +113,13 @@ impl Compiled {
         };
         store.data_mut().parts = Some(HostParts { memory, gas, slots });
         let call = async move {
+            // The first poll comes from `run`, which has put the budget on the desk by then.
             take_budget(&mut store);
             let result = start.call_async(&mut store, ()).await;
             leave_rest(&mut store);
             match result {
                 Ok(()) => Reason::End,
+                // A stop of the host comes back as the engine's error, like a trap.
                 Err(error) => match error.downcast_ref() {
                     Some(&stop) => Reason::Stop(stop),
                     None => Reason::Trap(message_of(&error)),

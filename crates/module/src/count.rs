@@ -131,18 +131,21 @@ impl Counter {
                 while !operators.eof() {
                     let (operator, offset) = operators.read_with_offset()?;
                     function.op(offset, &operator)?;
+                    // The validator takes this height from the code alone, whatever registers an engine uses.
                     highest = highest.max(function.operand_stack_height());
                     calls |= matches!(operator, Operator::Call { .. } | Operator::CallIndirect { .. });
                 }
                 function.finish(operators.original_position())?;
                 // A frame without calls is always the last, so it adds nothing to the depth of a recursion.
                 if calls {
+                    // The function section comes first and announces as many, as the validator has checked.
                     counter.functions[defined].slots = function.len_locals() + highest + FRAME_SLOTS;
                 }
                 defined += 1;
             }
             match payload {
                 Payload::TypeSection(section) => {
+                    // A GC type would have failed validation already.
                     counter.types = section.into_iter_err_on_gc_types().collect::<Result<_, _>>()?;
                 }
                 Payload::ImportSection(imports) => {
@@ -151,6 +154,7 @@ impl Counter {
                         // Imported globals have the first numbers, so those that are added come after them.
                         counter.gas += u32::from(matches!(import.ty, TypeRef::Global(_)));
                         let of = match import.ty {
+                            // Types come before imports, and the validator has checked the index.
                             TypeRef::Func(of) => Some(counter.types[of as usize].clone()),
                             _ => None,
                         };
@@ -166,6 +170,7 @@ impl Counter {
                 }
                 Payload::MemorySection(memories) => {
                     for memory in memories {
+                        // There is no more than one, of up to 65,536 pages: neither the sum nor the product overflows.
                         counter.memory += memory?.initial * BYTES_PER_PAGE;
                     }
                 }
@@ -199,6 +204,7 @@ impl Counter {
 
     fn add_globals(&self, globals: &mut GlobalSection) {
         let of = |val_type| GlobalType { val_type, mutable: true, shared: false };
+        // Nothing may run before a budget is set.
         globals.global(of(ValType::I64), &ConstExpr::i64_const(0));
         globals.global(of(ValType::I32), &ConstExpr::i32_const(MAX_SLOTS));
     }
@@ -259,12 +265,16 @@ impl Counter {
             | Operator::TableCopy { .. }
             | Operator::TableFill { .. }
             | Operator::TableInit { .. } => {
+                // All six have their length, an i32, on top of the stack.
                 body.instruction(&Instruction::LocalTee(scratch.length));
                 let shift = Instruction::I64Const(i64::from(BYTES_PER_INSTRUCTION.ilog2()));
+                // Lengths are unsigned: by sign extension those of 2 GiB and more would add to what is left.
                 let length = [Instruction::LocalGet(scratch.length), Instruction::I64ExtendI32U];
                 self.take(body, &[length[0].clone(), length[1].clone(), shift, Instruction::I64ShrU]);
             }
+            // Of `copysign` only the operand on top matters, whose sign bit gets into the result.
             Operator::F64Store { .. } | Operator::I64ReinterpretF64 | Operator::F64Copysign => {
+                // `select` keeps a value that equals itself, as all but NaNs do.
                 body.instruction(&Instruction::LocalTee(scratch.double))
                     .instruction(&Instruction::F64Const(f64::NAN))
                     .instruction(&Instruction::LocalGet(scratch.double))
@@ -402,8 +412,10 @@ impl Reencode for Counter {
         code: &mut CodeSection,
         function: FunctionBody<'_>,
     ) -> Result<(), reencode::Error<String>> {
+        // Bodies come in the order of the function section, so the number of those written is the index.
         let defined = self.functions[code.len() as usize];
         let mut locals = Vec::new();
+        // Parameters are the first locals.
         let mut count = self.types[defined.of as usize].params().len() as u32;
         for pair in function.get_locals_reader()? {
             let (number, of) = pair?;
@@ -423,8 +435,10 @@ impl Reencode for Counter {
         let mut open = 0u32;
         let mut from = 0;
         while from < operators.len() {
+            // The instruction that ends a run is executed with it, so it is paid with it.
             let to = from + operators[from..].iter().position(ends_run).map_or(operators.len() - from, |at| at + 1);
             let cost = operators[from..to].iter().filter(|operator| is_counted(operator)).count();
+            // A run of nothing but ends of blocks costs nothing, so it needs no code.
             if cost > 0 {
                 self.take(&mut body, &[Instruction::I64Const(cost as i64)]);
             }
@@ -441,6 +455,7 @@ impl Reencode for Counter {
                         body.instruction(&Instruction::Br(open));
                     }
                     _ => {
+                        // Whoever falls off the end must give the slots back too.
                         if is_counted_in && index + 1 == operators.len() {
                             self.leave(&mut body, defined);
                         }

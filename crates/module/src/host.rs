@@ -175,6 +175,7 @@ fn fd_fdstat_get(caller: &mut Caller<'_>, [fd, at, ..]: [u32; 4]) -> Access<()> 
     if fd > 2 {
         return Err(HostError::Number(BAD_DESCRIPTOR));
     }
+    // WASI's `fdstat`: the type, flags, and from byte 8 on the rights.
     let mut status = [0u8; 24];
     status[0] = CHARACTER_DEVICE;
     status[8..].fill(0xff);
@@ -249,15 +250,19 @@ impl Function {
             "args_sizes_get" => (&[I32; 2], args_sizes_get),
             "args_get" => (&[I32; 2], args_get),
             "environ_sizes_get" => (&[I32; 2], environ_sizes_get),
+            // `environ_sizes_get` reports no variable, so there is nothing to write.
             "environ_get" => (&[I32; 2], |_, _| Ok(())),
             "clock_time_get" => (&[I32, I64, I32], clock_time_get),
             "random_get" => (&[I32; 2], random_get),
             "proc_exit" => (&[I32], proc_exit),
             "sched_yield" => (&[], |_, _| Ok(())),
             "fd_close" => (&[I32], |_, _| Ok(())),
+            // wasi-libc scans for preopened folders as it starts, up to the first bad descriptor.
             "fd_prestat_get" => (&[I32; 2], |_, _| Err(HostError::Number(BAD_DESCRIPTOR))),
+            // Of an unknown function any parameters will do, as it only returns an error number.
             _ => (of.params(), |_, _| Err(HostError::Number(NOT_SUPPORTED))),
         };
+        // `proc_exit` does not return, so it has no error number.
         let results: &[ValType] = if name == "proc_exit" { &[] } else { &[I32] };
         if (of.params(), of.results()) != (parameters, results) {
             return Err(format!("imports `{module}.{name}` with another type than it has"));

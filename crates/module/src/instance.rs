@@ -210,6 +210,7 @@ impl ModuleInstance {
         if self.has_failed {
             return Err(self.failure(FailureKind::Crashed, "has failed before".to_owned(), 0));
         }
+        // Unlocked before the module runs, as functions of the host lock it too.
         {
             let mut host = self.host.lock();
             host.input.extend_from_slice(line);
@@ -228,6 +229,7 @@ impl ModuleInstance {
             _ if left < 0 => (FailureKind::BudgetSpent, format!("ran more than {budget} instructions")),
             _ if slots < 0 => (FailureKind::Crashed, "nests its calls too deeply".to_owned()),
             Reason::Stop(StopCause::NeedsInput) => {
+                // A module may write its answer in parts: it is complete only when the next line is read.
                 let output = &mut self.host.lock().output;
                 if let Some(end) = output.iter().position(|&byte| byte == b'\n') {
                     // What follows its line is the beginning of the next answer.

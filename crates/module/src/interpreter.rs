@@ -45,10 +45,12 @@ impl Compiled {
         let module =
             wasmi::Module::new(&engine, &counted.bytes).map_err(|error| format!("cannot be compiled: {error}"))?;
         let mut linker = Linker::new(&engine);
+        // Counting keeps the imports and their order, so the two lists match.
         for (import, requested) in counted.imports.iter().zip(module.imports()) {
             let function = Function::of(import)?;
             let ExternType::Func(of) = requested.ty() else { unreachable!("it is a function") };
             let act = move |mut caller: wasmi::Caller<'_, Data>, numbers: &[Val], results: &mut [Val]| {
+                // No function reads an i64, such as the precision of a clock, so it may become 0.
                 let numbers = four(numbers.iter().map(|number| number.i32().unwrap_or_default().cast_unsigned()));
                 let number = call(&mut caller, function, numbers).map_err(|stop| {
                     // The call is made again with the same numbers once there is input.
@@ -82,6 +84,7 @@ impl Compiled {
             unreachable!("its exports were looked at");
         };
         let parts = Parts { memory, gas, slots };
+        // Functions of the host find memory and globals through it.
         store.data_mut().parts = Some(parts);
         Ok(Running { store, parts, state: InterpreterState::New(start) })
     }
@@ -114,6 +117,7 @@ impl Running {
             InterpreterState::New(start) => start.call_resumable(&mut self.store, &[], &mut []),
             InterpreterState::Waiting(waiting) => {
                 let (function, numbers) = self.store.data_mut().waiting.take().expect("a call that waits");
+                // The module resumes with the result of the very call that had no input.
                 let number = call(&mut self.store, function, numbers).expect("there is input");
                 waiting.resume(&mut self.store, &[Val::I32(number)], &mut [])
             }
@@ -122,6 +126,7 @@ impl Running {
         let reason = match ended {
             Ok(ResumableCall::HostTrap(trap)) => match trap.host_error().downcast_ref() {
                 Some(&stop) => {
+                    // After an exit or a flood too: `ModuleInstance` runs no module again that has failed.
                     self.state = InterpreterState::Waiting(trap);
                     Reason::Stop(stop)
                 }

@@ -114,6 +114,7 @@ fn sides_at(values: &Grid<f64>, sides: &[SquareSide], level: f64) -> Vec<(f64, f
             let goes_up = side % 2 == 1;
             let from = values[(row, col)];
             let to = if goes_up { values[(row + 1, col)] } else { values[(row, col + 1)] };
+            // The two differ, as the line crosses this side.
             let share = (level - from) / (to - from);
             let (col, row) = (col as f64, row as f64);
             if goes_up { (col, row + share) } else { (col + share, row) }

@@ -50,6 +50,7 @@ impl Face {
         let size = Size::unscaled();
         let location = LocationRef::default();
         let metrics = font.metrics(size, location);
+        // Heights of text are those of its capitals throughout.
         let unit = 1.0 / metrics.cap_height.expect("the font says how high its capitals are");
         let outlines = font.outline_glyphs();
         Self {

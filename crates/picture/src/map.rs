@@ -205,6 +205,7 @@ impl<'a> Plate<'a> {
                 let [red, green, blue] = colour(&self.zoom.block(row, col, size));
                 block.fill([red, green, blue, 255]);
             }
+            // A block is coloured once; the other rows of its pixels are copies.
             for copy in 0..pixels {
                 let below = row * pixels + copy;
                 self.canvas.row_from(left, top + below)[..line.len()].copy_from_slice(&line);

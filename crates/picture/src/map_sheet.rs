@@ -54,6 +54,7 @@ pub fn draw_map_sheet(sheet: &MapSheet) -> Picture {
     }
     let legend = Legend { values: None, key: entries };
     let plates: Vec<Plate> = sheet.panels.iter().map(|panel| draw_panel(&panel.scene, zoom, scale.as_ref())).collect();
+    // All maps have one size, so the first panel gives the room of each.
     let panel = plates[0].size();
     let captions = sheet.panels.iter().map(|panel| measure_text(panel.caption, TEXT));
     let column = captions.fold(panel.0 as f32, f32::max).ceil() + GAP;

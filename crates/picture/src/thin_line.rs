@@ -12,6 +12,7 @@ pub fn draw_line(canvas: &mut Canvas, from: Point, to: Point, width: f32, ink: I
     let columns = canvas.width() as usize;
     let rows = canvas.height() as usize;
     let pixels = canvas.pixels_mut();
+    // Along the longer side, so that each step is a whole pixel and no gap is left.
     if right.abs() >= down.abs() {
         let mut put = |x: usize, y: usize, share: f32| blend(&mut pixels[y * columns + x], ink, share);
         sweep(from, to, width, (columns, rows), &mut put);

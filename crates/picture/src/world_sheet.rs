@@ -116,6 +116,7 @@ impl WorldFrame {
             canvas.fill_rect(left, y, width, 1.0, WITHOUT_VALUE);
             draw_text(canvas, &tick.label, (left - GAP, y + 0.5 * TEXT), Align::Right, TEXT, INK);
         }
+        // After the net, or its lines would cross the edges.
         let edges = [
             (0.0, 0.0, width, 1.0),
             (0.0, height - 1.0, width, 1.0),

@@ -65,6 +65,7 @@ impl ValidatedPlanner {
     /// Lets a plan pass, or says why its path must not be driven.
     fn judged(&self, start: Pose, goal: Goal, mut plan: Plan) -> Plan {
         let Ok(path) = &mut plan.path else { return plan };
+        // Before the judge, who allows no curvature beyond the truck's.
         self.forgive_rounding(path);
         match self.judge.check(start, goal, path) {
             Ok(()) => plan,

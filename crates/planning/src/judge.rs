@@ -251,6 +251,7 @@ impl fmt::Display for BadPath {
                 write!(f, "it begins at ({x:.2}, {y:.2}), {metres} m and {radians} rad from the truck's pose at ")?;
                 write!(f, "({truck_x:.2}, {truck_y:.2}), where it must begin")
             }
+            // See `check_numbers` for why a number this small is refused.
             Self::NotANumber { place, what, found } if found.is_subnormal() => {
                 write!(f, "{place}: its {what} is {found:e}, which is too small to compute with; 0 is allowed")
             }
@@ -264,12 +265,14 @@ impl fmt::Display for BadPath {
                 write!(f, "{MAX_FIELDS_LONG} times width and height of the field")
             }
             Self::TooSharp { place, found, max } => {
+                // As radii, since that is how scenarios state the limit.
                 let (radius_m, min_m) = (1.0 / found, 1.0 / max);
                 write!(f, "{place}: a turn of radius {} m; the least is {min_m} m", significant(radius_m, min_m, 2))
             }
             Self::TooNear { place, obstacle, found_m } => {
                 write!(f, "{place}: ")?;
                 match obstacle {
+                    // Only beyond the border is there a depth to report.
                     Obstacle::Border if found_m < 0.0 => write!(f, "{} outside the field", Gap(-found_m))?,
                     _ if found_m <= 0.0 => write!(f, "touching {}", NamedPath(obstacle))?,
                     _ => write!(f, "{} from {}", Gap(found_m), NamedPath(obstacle))?,

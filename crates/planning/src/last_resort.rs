@@ -129,6 +129,7 @@ impl LastResort {
     ) -> Option<(Path, FoundBy)> {
         let starts = self.ways_out(start);
         let ends = if let Goal::Pose(end) = goal { self.ways_out(end) } else { vec![None] };
+        // Up to four pairs, as each of them is a whole query.
         for (out, back) in starts.iter().flat_map(|out| ends.iter().map(move |back| (*out, *back))) {
             // Without a way out at either end this is the very query that failed.
             if out.is_none() && back.is_none() {
@@ -142,6 +143,7 @@ impl LastResort {
             let plan = self.planner.plan_observed(from, to, observer);
             *effort += plan.effort;
             if let Ok(between) = plan.path {
+                // A way out of the goal's pose is driven back into it.
                 let back = back.map(|segment| Segment { length_m: -segment.length_m, ..segment });
                 let segments = out.into_iter().chain(between.segments).chain(back).collect();
                 return Some((Path { start, segments }.joined(), FoundBy::Relaxed));
@@ -199,6 +201,7 @@ impl TruckPlanner for LastResort {
     ) -> Option<(usize, Plan)> {
         let (index, mut plan) = self.planner.plan_to_nearest(start, discs, observer)?;
         if let Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) = plan.path {
+            // Which is nearest by drive is open here: the first disc with a way counts.
             for (index, &disc) in discs.iter().enumerate() {
                 if let Some((path, by)) = self.find(start, disc.into(), &mut plan.effort, observer) {
                     return Some((index, Plan { path: Ok(path), found_by: Some(by), ..plan }));

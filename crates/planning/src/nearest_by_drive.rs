@@ -32,6 +32,7 @@ pub fn plan_to_nearest(
     let mut best: Option<(usize, Plan)> = None;
     let (mut effort, mut cpu) = (Effort::default(), None);
     for (min_m, index) in order {
+        // Discs come nearest first, so no later one has a shorter drive either.
         if best.as_ref().and_then(|(_, plan)| length_m(plan)).is_some_and(|best_m| min_m >= best_m) {
             break;
         }
@@ -39,6 +40,7 @@ pub fn plan_to_nearest(
         effort += plan.effort;
         cpu = sum(cpu, plan.cpu);
         let is_better = match (&best, length_m(&plan)) {
+            // A failure is kept until there is something better: that of the nearest is the answer if all fail.
             (None, _) => true,
             (Some(_), None) => false,
             (Some((_, best)), Some(metres)) => length_m(best).is_none_or(|best_m| metres < best_m),

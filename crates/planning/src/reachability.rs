@@ -84,6 +84,7 @@ impl Reachability {
         let profile = ClearanceProfile::from_start(CLEARANCE_M, from, clearance);
         let goal = disc.with_margin().into();
         let query = PrimitiveQuery { checker: &self.checker, profile: &profile, start: from, waypoints: &[], goal };
+        // The coarse lattice first, which needs far fewer expansions for the same way.
         for (search, (lattice, budget)) in self.searches.iter_mut().zip(SEARCHES) {
             let search = search.get_or_insert_with(|| search_on(&self.checker, &self.memory, lattice));
             let found = search.run(&query, budget);

@@ -110,6 +110,7 @@ impl CurvatureSmoother {
         let wanted = corners.end_of(path.end());
         let mut best_s = self.limits.drive_s(&path.segments);
         let mut best = path.clone();
+        // Each corner is tried with the clothoids that earlier ones have got.
         for (corner, pair) in path.segments.windows(2).enumerate() {
             let [before, behind] = [pair[0], pair[1]];
             // At a cusp the truck stands anyway, and its wheels turn meanwhile.
@@ -121,10 +122,12 @@ impl CurvatureSmoother {
                 corners.speeds_mps[corner] = Some(share * speed_mps);
                 let smooth = corners.fit(wanted, ends_in_pose)?;
                 let drive_s = self.limits.drive_s(&smooth.segments);
+                // Time before the sweep, which takes far longer than a sum.
                 (drive_s < best_s - WORTH_S && self.is_free(&smooth)).then_some((smooth, drive_s))
             });
             match smooth {
                 Some(smooth) => (best, best_s) = smooth,
+                // Nothing fits here, so the truck stops as it does on the path without clothoids.
                 None => corners.speeds_mps[corner] = None,
             }
         }
@@ -180,6 +183,7 @@ impl SmoothedPath<'_> {
             let normal = moves.iter().fold(DMat3::from_diagonal(damping), |sum, &column| {
                 sum + DMat3::from_cols(column * column.x, column * column.y, column * column.z)
             });
+            // The minimum-norm step that moves the end by `miss`: lengths change by the columns times these shares.
             let shares = normal.inverse() * miss;
             for (length_m, column) in lengths_m.iter_mut().zip(moves) {
                 *length_m += column.dot(shares);

@@ -33,6 +33,7 @@ pub fn replan_around(
     effort: &mut Effort,
 ) -> Option<Path> {
     let settings = PrimitiveSettings { max_expansions: MAX_EXPANSIONS, ..PrimitiveSettings::default() };
+    // Without a limit of memory, as so few expansions take little.
     let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
         let (mut kept, _) = path.split_at(metres);
@@ -73,6 +74,7 @@ pub fn find_yield_pose(
         let mut space = YieldSpace { checker, profile, may_stand: &mut may_stand };
         let mut search = PoseSearch::new(checker.body(), LATTICE, &MemoryMeter::unlimited());
         search.begin(&mut space, [start], ());
+        // `has_room` ends it at `MAX_NODES`, so it needs no second limit.
         search.run(&mut space, u32::MAX).ok().map(Path::joined)
     })
 }
@@ -120,14 +122,17 @@ pub fn plan_among(
     let BlockedLeg { path, leg, meets_at } = blocked;
     let disc = disc.with_margin();
     let mut search = PoseSearch::new(checker.body(), LATTICE, &MemoryMeter::unlimited());
+    // A change of direction brakes to a stop and speeds up again.
     let cusp_s = lag_s(speed, speed.acceleration_mps2) + lag_s(speed, speed.braking_mps2);
     let departs = leg.sets_out_at();
+    // The latest place first, which keeps as much of the planned path as possible.
     let times = LEAVES.into_iter().map(|before| meets_at.since(before)).filter(|&time| time > departs);
     for leaves_at in times.chain([departs]) {
         let metres = leg.distance_m(leaves_at);
         let (mut kept, _) = path.split_at(metres);
         let start = kept.end();
         let start_clearance_m = checker.clearance(start);
+        // From a contact no motion is free.
         if start_clearance_m <= 0.0 {
             continue;
         }

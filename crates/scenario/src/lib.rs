@@ -254,6 +254,7 @@ impl Scenario {
         self.field.check(&top.inner("field"))?;
         let frame = self.field.frame();
         top.settings(self, &frame)?;
+        // A resolved scenario holds the cells packed, and may have been edited.
         let damaged = self
             .barrier
             .iter()
@@ -265,6 +266,7 @@ impl Scenario {
         self.check_wind_fields(&top, frame.cell_count())?;
         top.ascending("wind", self.wind.iter().map(|change| change.at_s))?;
         self.weather.as_ref().map_or(Ok(()), |weather| weather.check(&top.inner("weather"), &frame))?;
+        // Before the landscape, whose layers may name custom models.
         let fuels = self.check_fuels()?;
         self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame, &fuels))?;
         self.check_stops()?;
@@ -274,6 +276,7 @@ impl Scenario {
         self.check_crews(&frame)?;
         check_programs("planner", &self.planner, |name| name.built_in().is_some())?;
         check_programs("policy", &self.policy, |name| is_built_in_policy(name.name()))?;
+        // Counted first, as the checks below take time for each agent.
         for agents in self.kinds() {
             top.count(agents.key(), agents.len(), MAX_AGENTS)?;
         }

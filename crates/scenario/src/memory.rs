@@ -102,6 +102,7 @@ impl FromStr for MemoryLimit {
         if unit.is_empty() {
             return Err(expected());
         }
+        // `4G` is 4 GB, and `4Gi` is 4 GiB.
         let unit = unit.strip_suffix('b').unwrap_or(&unit);
         let bytes_of_one =
             UNITS.iter().find(|(name, _)| *name == unit).map(|&(_, bytes)| bytes).ok_or_else(expected)?;
@@ -220,6 +221,7 @@ impl MemoryEstimate {
             // The meter counts floods as they grow, so they are not taken off its limit once more.
             return Ok(MemoryMeter::new(limit.bytes - (needed - self.counted)));
         }
+        // The largest part is the one that a smaller setting should shrink.
         let largest = self.parts.iter().max_by_key(|part| part.bytes).expect("the program is a part");
         Err(MemoryExceeded::Needed { needed, largest: largest.clone(), limit })
     }
@@ -262,6 +264,7 @@ impl FieldMeasures {
         let of_roadmap =
             |size: RoadmapSize| size.milestones * (MILESTONE_BYTES + LINK_BYTES * u64::from(size.neighbours));
         let roadmap = maker.roadmap_size(settings, &self.frame, self.bushes as usize).map_or(0, of_roadmap);
+        // Planners without the table `safety` never build such a map.
         let is_by_map = settings.safety.map != SafetyMap::None && maker.tables().contains(&"safety");
         let surcharges = if is_by_map { SAFETY_BYTES * self.cells() } else { 0 };
         match planner {

@@ -261,6 +261,7 @@ impl Agent {
             Activity::Idle | Activity::Resting(_) => wildfire_timeline::Activity::Standing,
             Activity::Blocked => wildfire_timeline::Activity::Waiting,
             Activity::Planning => wildfire_timeline::Activity::Planning,
+            // A truck that relocates counts as moving from its decision on, although its leg begins later.
             Activity::Moving if now < self.trajectory.start_time() => wildfire_timeline::Activity::Planning,
             Activity::Moving if now < self.trajectory.sets_out_at() => wildfire_timeline::Activity::Waiting,
             Activity::Moving => wildfire_timeline::Activity::Driving,

@@ -91,6 +91,7 @@ impl DeadlockResolution {
             fleet.give_way(entity, to, way);
         }
         let (_, mut truck) = fleet.trucks.one_mut(self.first);
+        // The first is the one that `for_truck` has looked at.
         let drive = std::mem::take(&mut truck.blocked).swap_remove(0).drive;
         fleet.set_out(self.first, drive, self.leg);
         // Who has moved aside may have been in the way of others as well.

@@ -98,6 +98,7 @@ impl Episode {
     pub fn answer(&mut self, choices: &[(AgentId, Action)]) -> Result<(), RunError> {
         let now = self.simulation.now();
         let mut pending = choices.to_vec();
+        // What the caller saw when it answered; `pending` changes as the answers are carried out.
         let shown = self.pending.clone();
         let mut is_first = true;
         loop {
@@ -118,6 +119,7 @@ impl Episode {
             is_first = false;
             self.simulation.answer(vec![(agent, choice)]);
             self.go_on()?;
+            // Time has passed, so what is left of the answers is about an instant that is over.
             if self.simulation.now() > now {
                 return Ok(());
             }

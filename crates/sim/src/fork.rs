@@ -63,6 +63,7 @@ impl Simulation {
         if let Some(ValueDifference { key, .. }) = value_differences(&values[0], &values[1]).into_iter().next() {
             return Err(RunError::FixedInRun { key });
         }
+        // A run of the other scenario from its start, of which only planners and policies are used.
         let mut other = Self::with(after, self.setting.seed, options)?;
         let mut fork = self.fork()?;
         let policies = other.world.remove_resource::<PolicySet>().expect("every run has policies");
@@ -87,10 +88,12 @@ impl Simulation {
             }
             if decides_otherwise {
                 let follows = follows(*model.get::<PolicyId>().expect("every agent follows a policy"));
+                // Which changes wake an agent depends on its policy, so both are exchanged.
                 target.insert((follows, model.get::<WakeTriggers>().expect("every agent is woken").clone()));
                 fork.let_decide(entity);
             }
         }
+        // New planners count on the meter that came with them.
         fork.memory = other.memory;
         Ok(fork)
     }
@@ -185,6 +188,7 @@ fn copy_world(from: &World, to: &mut World) -> Result<(), NotForked> {
     copy_resource::<SimClock>(from, to);
     copy_resource::<Ended>(from, to);
     copy_resource::<Fires>(from, to);
+    // Optional, and alike in all runs of a setting: there is none to remove.
     from.get_resource::<CrewOrders>().into_iter().for_each(|orders| to.insert_resource(orders.clone()));
     from.get_resource::<WaterNeeds>().into_iter().for_each(|needs| to.insert_resource(needs.clone()));
     copy_resource::<Ignitions>(from, to);

@@ -183,6 +183,7 @@ impl Game {
     pub fn load(&self) -> Result<LoadedScenario, Box<ScenarioError>> {
         let text = self.text()?;
         let goals = self.plays.iter().map(|side| format!("{}.goal={PLAYER}", side.role().name()));
+        // Without a command the policy is one that is registered.
         let played = (!self.plays.is_empty()).then(|| format!("policy.{PLAYER}.command=[]"));
         LoadedScenario::from_text(&text, &self.changes.iter().cloned().chain(played).chain(goals).collect::<Vec<_>>())
     }
@@ -261,6 +262,7 @@ impl Policy for ScriptedPolicy {
         let next = self.answers.get(self.next);
         if let Some(answer) = next.filter(|next| next.t_ns == seen.now.as_nanos() && queried.contains(&next.agent())) {
             self.next += 1;
+            // The rest comes in further questions, as in the game that was recorded.
             return vec![(answer.agent(), answer.action())];
         }
         let has = match next {

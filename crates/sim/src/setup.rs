@@ -42,6 +42,7 @@ pub fn fill(
     options: &RunOptions,
     cost: &mut RunCost,
 ) -> Result<Setting, RunError> {
+    // First, as a program that may not be started ends the run before any work.
     let (planners, policies_by_name) = options.registry_of(scenario)?;
     let mut stopwatch = CpuStopwatch::start();
     // The terrain comes first: all else is placed on it, and a scenario without room fails here.
@@ -89,6 +90,7 @@ pub fn fill(
     for (number, settings) in scenario.wumpus.iter().enumerate() {
         starts.push(wumpus::spawn(world, &mut grounds, number as u16, settings)?);
     }
+    // Only now, as each Wumpus may have added a planner.
     world.insert_resource(grounds.into_planners());
     for (number, settings) in scenario.unimog.iter().enumerate() {
         starts.push(truck::spawn(world, &arena, number as u16, settings)?);
@@ -218,6 +220,7 @@ fn setting(
     Setting {
         scenario: scenario.name.clone(),
         seed,
+        // Other versions may run the same scenario differently.
         program_version: env!("CARGO_PKG_VERSION").into(),
         frame: terrain.frame,
         bushes: terrain.bushes.clone(),
@@ -232,6 +235,7 @@ fn setting(
             duration: SimTime::from_seconds(scenario.duration_s),
             suppression_reach_m: scenario.suppression.reach_m,
             suppression_dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
+            // `None` is for recordings from before there was this rule.
             extinguishes_all: Some(scenario.suppression.extinguishes == Extinguishes::AllInReach),
             fire: scenario.fire.recorded_rules(),
             reignition: scenario.fire.relight,
@@ -261,6 +265,7 @@ fn ignitions(scenario: &Scenario, terrain: &Terrain, seed: u64) -> Ignitions {
                 let inside = area.by_cell(&terrain.frame);
                 let mut cells: Vec<Cell> = terrain.with_fuel().chain(terrain.bushes.iter().copied()).collect();
                 cells.retain(|&cell| inside[terrain.frame.index(cell)]);
+                // A bush on ground with fuel is in both lists.
                 cells.sort_unstable_by_key(|&cell| terrain.frame.index(cell));
                 cells.dedup();
                 ScheduledIgnition::Named(cells)

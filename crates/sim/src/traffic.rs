@@ -200,6 +200,7 @@ impl<'a> Traffic<'a> {
             let swept = SweptBox::new(motion);
             let near = self.others().filter(|other| other.swept.is_near(&swept));
             let times = near.filter_map(|other| first_conflict(motion, other.moving(), leg.sets_out_at(), MARGIN_M));
+            // A wait after which it meets nobody is one that `departure` finds.
             let Some(meets_at) = times.min() else { continue };
             let free_m = leg.distance_m(meets_at);
             if free_m > max_m + GAIN_M {
@@ -302,6 +303,7 @@ impl PredictedMotions for MotionsOfOthers<'_> {
                 let share = f64::from(look) / f64::from(LOOKS);
                 let pose = segment.pose_at(from, share * segment.length_m);
                 let time = SimTime::from_seconds(begins_s + share * (ends_s - begins_s));
+                // Whoever moves may come nearer between two looks, so more is kept from it.
                 let extra_m = EXTRA_M[usize::from(other.leg.end_time() <= time)];
                 gap_between(self.body, pose, &other.body, other.leg.pose_at(time)) > MARGIN_M + extra_m
             })

@@ -192,6 +192,7 @@ pub fn spawn(
     // Policies are made before the agents.
     let follows = world.resource::<PolicySet>().policy_of(id);
     let agent = Agent::standing(id, Body::Square { size_m: settings.size_m }, Pose::new(here.x, here.y, 0.0));
+    // It turns on the spot instead of walking backwards, so it has no speed in reverse.
     Ok(enlist(world, agent, SpeedLimits::new(fastest, 0.0), (wumpus, WakeTriggers(triggers), follows)))
 }
 
@@ -428,6 +429,7 @@ fn decide(
         if choices.is_empty() {
             return;
         }
+        // One after the other: `act` looks again whether the choice is still an option.
         for (entity, choice) in choices {
             let (mut agent, mut wumpus, _) = wumpuses.get_mut(entity).expect("a Wumpus was asked");
             let (agent, wumpus) = (&mut *agent, &mut *wumpus);

@@ -66,6 +66,7 @@ impl<'a> BurnMap<'a> {
                 _ => {}
             }
         }
+        // A cell has a bush or is ground, never both, so that no ignition of the one list precedes one of the other.
         for event in &timeline.ground {
             if let GroundFact::Ignited(cause) = event.fact {
                 burn(event.time, event.cell, cause);
@@ -123,6 +124,7 @@ impl FireBehavior {
         ignitions: &[Option<(SimTime, Cause)>],
     ) -> Self {
         let mut fires = LocalFires::new(landscape, weather, rules);
+        // NaN stays where no fire came, and where what came has no such figure.
         let [direction_deg, rate_m_min, intensity_kw_m, flame_length, fire_type] =
             [(); 5].map(|()| vec![f64::NAN; ignitions.len()]);
         let mut behavior = Self { direction_deg, rate_m_min, intensity_kw_m, flame_length_m: flame_length, fire_type };
@@ -234,9 +236,11 @@ impl<'a> LocalFires<'a> {
         let Self { landscape, weather, rules, .. } = *self;
         let interval = weather.interval_at(time);
         let place = interval * FUELS + usize::from(landscape.fuel_number(cell));
+        // Where wind or trees differ from cell to cell, no result can be shared.
         if weather.is_local() || rules.crowns.is_some() && landscape.canopy(cell).is_some() {
             return spreading_fire(landscape, weather, &rules.options, rules.crowns, cell, time);
         }
+        // On a plane, all cells with one fuel burn alike during an interval of the weather.
         let is_plane = matches!(landscape.relief, Relief::Plane(_));
         if let Some(fire) = self.level[place].filter(|_| is_plane) {
             return Some(SpreadingFire { fire, fire_type: FireType::Surface });

@@ -320,6 +320,7 @@ fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
         let mut costs = vec![i32::MAX; count + firsts.len()];
         let mut passed_on: Vec<Option<(usize, usize)>> = vec![None; costs.len()];
         costs[chain] = 0;
+        // In rounds, as in Bellman and Ford's algorithm: Dijkstra's does not admit the cost of -1.
         let mut changed = vec![chain];
         while !changed.is_empty() {
             let mut next_changed = Vec::new();
@@ -330,6 +331,7 @@ fn min_uncovered(firsts: &[Vec<usize>], nexts: &[Vec<usize>]) -> u32 {
                     if freed == leader {
                         continue;
                     }
+                    // 1 if this leaves a node out, -1 if it takes one in that was left out.
                     let cost = costs[leader] + i32::from(leader == node) - i32::from(freed == node);
                     if cost < costs[freed] {
                         (costs[freed], passed_on[freed]) = (cost, Some((node, leader)));

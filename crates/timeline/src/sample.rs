@@ -287,6 +287,7 @@ pub fn random_on_ground(seed: u64, duration: SimTime) -> Timeline {
         timeline.ground.push(GroundEvent { time, cell, fact: GroundFact::Ignited(Cause::Spread(from)) });
         let burned_out = spread.burns_out_at(cell, time).expect("it burns for 20 s");
         let extinguished = time + seconds(rng.random_range(0.0..40.0));
+        // Ground that was put out may burn again later; what burned out never does.
         out[frame.index(cell)] = (extinguished < burned_out).then_some(extinguished);
         if extinguished < burned_out {
             timeline.ground.push(GroundEvent {

@@ -126,6 +126,7 @@ impl KeyCommand {
         match letter {
             '.' => Some(Self::NextEvent),
             ',' => Some(Self::PreviousEvent),
+            // On many keyboards `=` is the key of `+` without shift.
             '+' | '=' => Some(Self::Faster),
             '-' => Some(Self::Slower),
             'z' => Some(Self::WholeField),

@@ -144,6 +144,7 @@ fn neighbour(seed: u64, seeds: Option<&[u64]>, step: SeedStep) -> Result<u64, St
         (Some(seeds), _) => {
             let at = seeds.iter().position(|&listed| listed == seed);
             let beside = match step {
+                // A seed that is not in the list is followed by the first one.
                 SeedStep::Next | SeedStep::Rerun => at.map_or(Some(0), |at| at.checked_add(1)),
                 SeedStep::Previous => at.and_then(|at| at.checked_sub(1)),
             };

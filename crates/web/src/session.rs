@@ -259,6 +259,7 @@ impl LiveRun {
                 GameChoice::Go(col, row) => seen.options(agent).contains(&Cell { col, row }),
                 GameChoice::GoToNearest | GameChoice::Wait | GameChoice::Stay => true,
             };
+            // Only trucks have a nearest fire to go for.
             queried.contains(&agent) && is_option && (choice != GameChoice::GoToNearest || agent.role.suppresses())
         });
         match can {
@@ -318,6 +319,7 @@ impl LiveRun {
 
 /// Makes the policies that the scenario names for the sides that are played.
 fn substitutes(game: &Game, scenario: &Scenario) -> Result<StandInPolicies, SessionError> {
+    // The same field as that of the run, since it follows from scenario and seed.
     let terrain = Terrain::from_scenario(scenario, game.seed).map_err(RunError::from)?;
     let lightable = terrain.lightable(scenario.fire.lights_ground());
     let site = RuleContext {

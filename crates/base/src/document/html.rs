@@ -98,10 +98,12 @@ impl HtmlPage<'_> {
         for block in blocks {
             match block {
                 Block::Heading(line) => {
+                    // `sections` walked the same blocks in the same order, so this heading is that of the next section.
                     let id = &self.sections[self.started].id;
                     self.text.push_str(&format!("<h2 id=\"{id}\">{}</h2>\n", escaped(line)));
                     self.started += 1;
                 }
+                // Links lead to later sections too, which is why all were listed before the first was written.
                 Block::Contents => {
                     let links: String = self
                         .sections
@@ -113,6 +115,7 @@ impl HtmlPage<'_> {
                     self.text.push_str(&format!("<nav aria-label=\"Contents\">\n<ul>\n{links}</ul>\n</nav>\n"));
                 }
                 Block::Folded(title, blocks) => {
+                    // Not `push_block`, as headings of the contents may be inside.
                     self.text.push_str(&format!("<details><summary>{}</summary>\n", escaped(title)));
                     self.push_blocks(blocks);
                     self.text.push_str("</details>\n");
@@ -146,9 +149,11 @@ fn push_block(text: &mut String, block: &Block) {
         Block::Table(table) => push_table(text, table),
         Block::Verbatim(lines) => text.push_str(&format!("<pre>{}</pre>\n", escaped(lines))),
         Block::Figure(figure) => push_figure(text, figure),
+        // In the page itself, which must need no other file.
         Block::Image { caption, png } => {
             let caption = escaped(caption);
             let data = BASE64.encode(png);
+            // The caption says what the image shows; as an `alt` text a screen reader would read it twice.
             text.push_str("<figure>\n<img alt=\"\" src=\"data:image/png;base64,");
             text.push_str(&data);
             text.push_str(&format!("\">\n<figcaption>{caption}</figcaption>\n</figure>\n"));

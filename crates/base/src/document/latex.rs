@@ -57,7 +57,9 @@ impl LatexBlocks {
                 Block::Table(table) => self.push_table(text, table),
                 // Not the environment of this name, which text in it could end.
                 Block::Verbatim(lines) => {
+                    // Only a box can be made smaller, so the lines are rows of a table with one column.
                     let lines = visible_lines(lines);
+                    // TeX would merge spaces.
                     let lines: Vec<_> = lines.lines().map(|line| escaped(line).replace(' ', "~")).collect();
                     let [begin, end] = NARROWED;
                     text.push_str(&format!(
@@ -71,8 +73,11 @@ impl LatexBlocks {
                     let file: String = figure.file.iter().flat_map(|file| file.chars()).filter(is_plain).collect();
                     text.push_str(&format!("\\includegraphics[width=\\columnwidth]{{\\detokenize{{{file}}}.png}}\n"));
                 }
+                // Filtered out above.
                 Block::Contents => {}
+                // LaTeX cannot hold the bytes of an image.
                 Block::Image { caption, .. } => text.push_str(&format!("{}\n\n", breakable(caption))),
+                // Paper does not fold; as a section the title is the caption of the tables below it.
                 Block::Folded(title, blocks) => {
                     self.begin_section(text, title);
                     self.push(text, blocks);

@@ -36,7 +36,9 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
             Block::Figure(figure) => {
                 text.extend(figure.file.iter().map(|file| format!("![{0}]({0}.png)\n", escaped(file))));
             }
+            // Filtered out above.
             Block::Contents => {}
+            // An embedded image would be a `data:` address, which GitHub removes.
             Block::Image { caption, .. } => text.push_str(&format!("{}\n", escaped(caption))),
             Block::Folded(title, blocks) => {
                 text.push_str(&format!("## {}\n", escaped(title)));

@@ -37,6 +37,7 @@ pub fn short(number: f64) -> String {
 pub fn two_digits(size: f64) -> usize {
     let mut decimals = 0;
     let mut shifted = size.abs();
+    // From 9.95 on one decimal less shows two digits, as the number rounds up to 10.
     while shifted < 9.95 && decimals < 9 && shifted > 0.0 {
         shifted *= 10.0;
         decimals += 1;

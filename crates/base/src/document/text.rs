@@ -42,11 +42,14 @@ fn push_blocks(text: &mut String, blocks: &[Block]) {
                 }
                 text.push_str(&table.to_text());
             }
+            // Never wrapped: spaces align its columns.
             Block::Verbatim(lines) => push_line(text, lines.trim_end_matches('\n')),
             Block::Figure(figure) => {
                 figure.file.iter().for_each(|file| push_line(text, &format!("Figure: {file}.png")));
             }
+            // Filtered out above.
             Block::Contents => {}
+            // A terminal shows no pictures.
             Block::Image { caption, .. } => push_wrapped(text, caption),
             Block::Folded(title, blocks) => {
                 push_wrapped(text, title);

@@ -116,6 +116,7 @@ pub fn wrap_angle(angle: f64) -> f64 {
     } else if turned > PI {
         turned - TAU
     } else if turned == -PI {
+        // The interval does not hold -pi.
         PI
     } else {
         turned

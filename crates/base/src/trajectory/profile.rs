@@ -161,8 +161,10 @@ fn drive_segment(
     // Metres per (m/s)^2 of difference; nothing without a limit.
     let per_gain = limits.acceleration_mps2.map_or(0.0, |acceleration| 0.5 / acceleration);
     let per_loss = limits.braking_mps2.map_or(0.0, |braking| 0.5 / braking);
+    // Rounding may leave the peak a little below the speed of a joint.
     let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
     let mut peak = fastest_mps;
+    // Too short for the greatest speed: the peak is where speeding up and braking meet.
     if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
         // Not both are zero: without limits a change of speed takes no way, and there would be enough.
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
@@ -170,6 +172,7 @@ fn drive_segment(
     let gaining = way_to(peak, entry, per_gain);
     let losing = way_to(peak, exit, per_loss);
     let lengths = without_slivers([gaining, length - gaining - losing, losing], length);
+    // Without a limit a phase has no length and is left out, so its acceleration does not matter.
     let phases = [
         (lengths[0], entry, limits.acceleration_mps2.unwrap_or(0.0)),
         (lengths[1], peak, 0.0),

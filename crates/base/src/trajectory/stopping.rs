@@ -41,6 +41,7 @@ impl Trajectory {
         let mut reverse = None;
         for piece in rest.into_iter().chain(self.pieces[progress.index + 1..].iter().copied()) {
             let Piece::Drive { segment, .. } = piece else { return };
+            // Beyond a stop, a cusp or a wait the body would have stood anyway.
             if speed == 0.0 || *reverse.get_or_insert(segment.is_reverse()) != segment.is_reverse() {
                 return;
             }
@@ -54,6 +55,7 @@ fn brake_along(piece: Piece, speed: f64, braking: f64, pieces: &mut Vec<Piece>) 
     let Piece::Drive { segment, speed_mps: planned, acceleration_mps2: change } = piece else { return 0.0 };
     let length = segment.length_m.abs();
     let speed = speed.min(planned);
+    // From v^2 = 2 a s.
     let stop = 0.5 * speed * speed / braking;
     // Where the plan brakes harder than asked, it is slower from this place on.
     let overtaken =

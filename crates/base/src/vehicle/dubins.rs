@@ -96,11 +96,14 @@ impl Word {
                 Some(Middle { length: distance, turn: 0.0, lean: DVec2::new(1.0, 0.0), turns_on: true })
             }
             Self::Lsr | Self::Rsl => {
+                // Circles of radius 1 that are less than 2 apart have no inner tangent.
                 at_least(4.0, squared)?;
                 Some(Middle { length: tangent, turn: 0.0, lean: DVec2::new(tangent, 2.0), turns_on: false })
             }
             Self::Lrl | Self::Rlr => {
+                // More than 4 apart, no third circle touches both.
                 let sine = at_most(1.0, 0.25 * distance)?;
+                // Shorter than a half turn, it would be in no shortest path (Dubins, 1957).
                 let arc = PI + 2.0 * ops::acos(sine);
                 let cosine = -(1.0 - sine * sine).sqrt();
                 Some(Middle { length: arc, turn: -arc, lean: DVec2::new(cosine, sine), turns_on: true })

@@ -102,6 +102,7 @@ impl Path {
         let mut left = metres;
         for &segment in &self.segments {
             let length_m = segment.length_m.abs();
+            // With equality the split is at a joint, and makes no segment of length 0.
             if left >= length_m {
                 parts.0.segments.push(segment);
             } else if left > 0.0 {

@@ -306,6 +306,7 @@ fn difference_of_file((path, expected): &(PathBuf, String)) -> Option<String> {
             // Git may check files out with CRLF, and a later version of the program publishes its own name and commit.
             found.trim_end_matches('\r') != expected && !(is_of_program(found) && is_of_program(expected))
         }
+        // One of the two ends before the other.
         _ => true,
     })?;
     let line = |lines: &[String]| lines.get(place).cloned().unwrap_or_default();
@@ -356,12 +357,14 @@ impl BoardEntry {
             .into_iter()
             .map(|(name, scores)| (name.to_owned(), scores.mean().unwrap_or(f64::NAN), scores.mean_interval()))
             .collect();
+        // The arguments are exchanged: the worst condition is the last one by goodness.
         let worst = (0..by_condition.len())
             .min_by(|one, other| {
                 // Of conditions with equal means the first by name is the worst, whatever the order of the rows.
                 track.better.best_first(by_condition[*other].1, by_condition[*one].1).then(one.cmp(other))
             })
             .unwrap_or(0);
+        // The interval follows below, as the runs that decide depend on the worst condition.
         let mut found = Self {
             card: entry.card.clone(),
             class,

@@ -91,6 +91,7 @@ pub(crate) fn audited_run(run: &PlannedRun<'_>, options: &RunOptions) -> Audited
     let made = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, options));
     let is_not_started =
         matches!(&made, Ok(Err(RunError::NoPolicy { .. } | RunError::NoPrograms { .. } | RunError::NoPlanner { .. })));
+    // No times are measured: rows must be the same on every machine.
     let not_done = |status, message| (RunRow::not_done(run.label(), status, message, Duration::ZERO), None);
     let (row, violation) = match made {
         Ok(Ok(done)) => {
@@ -130,6 +131,7 @@ fn driven(run: &PlannedRun<'_>, plan: &BatchPlan, players: &Players<'_>) -> Resu
     // Each seed has one goal: a row of a board is one query, and its seeds are the independent sample.
     let problems = DriveProblems { goals: Some(1), ..DriveProblems::default() }.load(scenario, run.seed)?;
     let problem = &problems[0];
+    // A query is of one vehicle, so only the first truck's planner enters.
     let planners: Vec<_> = scenario.unimog.iter().take(1).map(|truck| truck.planner.clone()).collect();
     // A custom planner may panic; its entry then has a failed run.
     let result = panics::catch(|| {

@@ -123,6 +123,7 @@ impl ArenaRow {
             let record = record.map_err(|error| {
                 wrong(error.position().map_or(1, csv::Position::line), "expected six values".to_owned())
             })?;
+            // Below, no index is out of range: the reader refuses records of another length than the headings.
             let line = record.position().map_or(1, csv::Position::line);
             let number = |place: usize| {
                 let expected = format!("{} is {:?}; expected a whole number", HEADINGS[place], &record[place]);

@@ -180,6 +180,7 @@ impl Contrast {
     /// Pairs of one seed in several strata are on related fields: seeds are independent, and strata are not a sample of
     /// anything. So the contrast is one of means by seed, over its strata.
     pub fn from_numbers(metric: &Metric, mut pairs: Vec<NumberPair>, by: Option<String>) -> Option<UntestedContrast> {
+        // Sorted, so that the last bits of sums do not depend on the order in which pairs come.
         pairs.sort_unstable_by_key(|pair| (pair.seed, pair.stratum));
         let all: Vec<[f64; 2]> = pairs.iter().map(|pair| pair.numbers).collect();
         let Some(by) = by else {

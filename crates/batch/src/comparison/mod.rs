@@ -179,6 +179,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
     let sides = Side::from_tables(&tables, selection)?;
     let settings: Vec<_> = tables.iter().map(RecordedSettings::read).collect();
     let settings_of = |side: &Side<'_>| {
+        // By address, as one folder may be given twice and its tables are then equal.
         let table = tables.iter().position(|table| std::ptr::eq(table, side.table));
         &settings[table.expect("a side is of one of the tables")]
     };
@@ -192,6 +193,7 @@ pub fn compare(paths: &[PathBuf], selection: &Selection, metrics: &[String]) -> 
         let pairs = Pairs::new(a, other)?;
         let settings = SettingsDifference::between([a, other], [settings_of(a), settings_of(other)], &pairs);
         let mut contrasts = Vec::new();
+        // The tables have the columns of all metrics one behind the other.
         let mut first_column = 0;
         for metric in &metrics {
             let columns: Vec<usize> = (first_column..first_column + metric.fields().len()).collect();

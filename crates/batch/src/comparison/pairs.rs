@@ -161,6 +161,7 @@ fn keyed(
         });
         keyed.push(((side.table.seeds[run], number), run));
     }
+    // By seed and condition, the order in which `new` walks both sides at once.
     keyed.sort_unstable();
     match keyed.windows(2).find(|both| both[0].0 == both[1].0) {
         Some(both) => Err(ComparisonError::SeedTwice { path: side.table.path.clone(), seed: both[0].0.0 }),

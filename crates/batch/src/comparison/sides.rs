@@ -133,6 +133,7 @@ fn parts<'a>(
     }
     let parts = levels.into_iter().map(|level| {
         let runs = whole.runs.iter().copied().filter(|&run| by.of_run[run] == level).collect();
+        // Letters follow when all sides are there.
         Side { letter: 'A', table, runs, divided_by: Some(&by.name) }
     });
     Ok(parts.collect())

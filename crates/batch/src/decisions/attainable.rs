@@ -201,6 +201,7 @@ fn improve(start: &Simulation, budget: HindsightBudget) -> Result<HindsightBound
             break;
         }
     }
+    // The search stopped somewhere within a pass, so the best answers are played once more from the start.
     search.restart(start)?;
     search.go_to(SimTime::MAX);
     search.before.expect_within_memory()?;
@@ -258,6 +259,7 @@ impl HindsightSearch {
 
     /// Advances the run to just before a time.
     fn go_to(&mut self, time: SimTime) {
+        // An answer has to be forced before the instant at which the policy would decide.
         let instant = SimTime::from_nanos(1);
         let answered = self.answered.map_or(Bound::Unbounded, Bound::Excluded);
         for (&at, &(agent, cell)) in self.answers.range((answered, Bound::Excluded(time))) {

@@ -188,6 +188,7 @@ impl SelectedDecisions {
 
     /// Lists the decisions of a run that are looked at, with choices that have not been played.
     fn of_run(&self, run: &Simulation) -> Vec<DecisionValue> {
+        // By agent and time: a plan does not name the decision from which it follows.
         let mut set_out: BTreeMap<(AgentId, SimTime), Cell> = BTreeMap::new();
         for event in run.facts() {
             if let Fact::Agent(agent, AgentFact::Planned { goal, .. }) = event.fact {
@@ -279,6 +280,7 @@ impl CounterfactualRunner {
         let fires = self.before.fires();
         let frame = fires.frame();
         let place = frame.centre(cell);
+        // Cells of a square around the place; the test of the distance below cuts its corners off.
         let reach = (NEAR_M / frame.cell_m) as u16;
         let mut near = [0, 0];
         for row in cell.row.saturating_sub(reach)..=(cell.row + reach).min(frame.rows - 1) {
@@ -321,6 +323,7 @@ impl AlternativeAction {
     /// Computes mean, interval and p-value of the gains so far, for one of the [`ROUNDS`].
     fn sum_up(&mut self) {
         let series = Series::from_values(&self.gains);
+        // Bonferroni's correction over the rounds, since a decision may be settled after any of them.
         let rounds = ROUNDS.len() as f64;
         self.mean = series.mean().unwrap_or(0.0);
         let degrees = self.gains.len() as f64 - 1.0;

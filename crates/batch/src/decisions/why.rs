@@ -115,6 +115,7 @@ impl WhyReport {
         let mut ranked: Vec<&DecisionValue> = self.worths.iter().filter(|worth| !worth.others.is_empty()).collect();
         ranked.sort_by(|a, b| b.others[0].mean.total_cmp(&a.others[0].mean));
         let rows = ranked.iter().take(LISTED).map(|worth| {
+            // The filter above leaves decisions with an alternative, and these are sorted by their gain.
             let best = &worth.others[0];
             let verdict = match (worth.better().is_some(), worth.all_worse().is_some()) {
                 (true, _) => "mistake",

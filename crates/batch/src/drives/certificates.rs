@@ -59,6 +59,7 @@ impl CertificateFile {
             let rows = &mut drives.rows[done..done + group.len()];
             done += group.len();
             let lengths = rows.iter().filter_map(|row| Some(row.solved()?.length_m));
+            // No group is empty, as an attempt begins each.
             let problem = group[0].problem;
             // The shortest valid path of any planner is as far as a proof has to reach.
             let (Some(shortest_m), Goal::Pose(goal)) = (lengths.min_by(f64::total_cmp), problem.goals[group[0].goal])

@@ -50,6 +50,7 @@ pub fn rows_table(rows: &[DriveQuery]) -> Table {
     let mut columns: Vec<TextColumn<DriveQuery>> = Vec::new();
     // Paths that came from a file have no planning time.
     let has_cost = rows.iter().all(|row| row.cost.is_some());
+    // Without rows nothing is compared, and the first one is not needed.
     let differs = |is_same: fn(&DriveQuery, &DriveQuery) -> bool| rows.iter().any(|row| !is_same(row, &rows[0]));
     // A column that is the same in all rows takes the width that a terminal of 80 characters needs for figures.
     if !has_cost || differs(|one, other| one.planner == other.planner) {
@@ -144,6 +145,7 @@ fn interval_table(drives: &DriveTable, summaries: &[PlannerSummary]) -> Table {
     let rows = summaries.iter().map(|summary| {
         let percent = scaled(summary.solved_share(), 100.0);
         let mut cells = vec![shortened(&summary.planner, LONGEST_PLANNER), summary.solved.to_string()];
+        // Only the interval: its estimate is the count in the cell before.
         cells.extend(cells_of(Some(percent), 0).into_iter().skip(1));
         cells.extend(median_cells(summary, &LOWER_BOUND_RATIO, |_| 2));
         // Digits fall with size, so the column keeps its width from microseconds to minutes.
@@ -189,6 +191,7 @@ pub fn failure_sentences(drives: &DriveTable) -> Vec<String> {
     let mut found: BTreeMap<(&str, DriveFailure), (&DriveQuery, usize)> = BTreeMap::new();
     for row in &drives.rows {
         if let Some(failure) = row.failure {
+            // The first query with a reason is the example of all.
             found.entry((&row.planner, failure)).or_insert((row, 0)).1 += 1;
         }
     }

@@ -126,6 +126,7 @@ struct TableReading<'a> {
 impl<'a> TableReading<'a> {
     fn open(path: &'a Path) -> Result<Self, TableError> {
         let reader = TableReader::open(path)?;
+        // No column has this place; it stays where the file lacks one that it may lack.
         let mut columns = [usize::MAX; DRIVE_COLUMNS.len()];
         for (place, column) in columns.iter_mut().zip(DRIVE_COLUMNS) {
             match reader.place(column.name) {

@@ -133,6 +133,7 @@ pub fn is_recording(name: &OsStr) -> bool {
     let numbers = name.to_str().and_then(|name| {
         let rest = name.strip_suffix(".wildfire")?;
         let (run, seed) = rest.rsplit_once("seed-")?;
+        // Batches of one variant leave the run out of names, and any number may stand for it.
         let run = if run.is_empty() { "0" } else { run.strip_prefix("run-")?.strip_suffix('-')? };
         Some([run, seed])
     });

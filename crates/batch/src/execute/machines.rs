@@ -110,6 +110,7 @@ impl Machines {
 
     /// Counts a machine: with one that is like it, if there is one.
     fn add(&mut self, machine: Machine) {
+        // Machines are alike if all but their numbers of processes are equal.
         match self
             .machines
             .iter()
@@ -143,6 +144,7 @@ pub fn merge_machines(folder: &OutputFolder, disk: &dyn Disk) -> Result<(), Batc
     let is_of_slice =
         |name: &OsStr| name.to_str().and_then(|name| MACHINES.slice(name)).is_some_and(|slice| !slice.is_whole());
     let mut files: Vec<_> = named(folder.path(), is_of_slice).collect();
+    // By slice, as folders list their files in any order.
     files.sort_by_key(|path| path.file_name().and_then(OsStr::to_str).and_then(|name| MACHINES.slice(name)));
     if files.is_empty() {
         return Ok(());

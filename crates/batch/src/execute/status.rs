@@ -137,6 +137,7 @@ impl JournalScan {
         for counted in &mut self.slices {
             let path = self.folder.journal(counted.slice);
             let found = match count_lines(&path, counted.bytes) {
+                // A slice without a journal has not begun.
                 Err(JournalError::Unreadable { source, .. }) if source.kind() == ErrorKind::NotFound => continue,
                 found => found?,
             };

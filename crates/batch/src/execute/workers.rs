@@ -156,6 +156,7 @@ fn repeat_alone(
     on_run: &mut impl FnMut(RunEnd),
 ) -> Result<(), BatchError> {
     let message = if work.stop.load(Ordering::Relaxed) { None } else { work.perform(Task::Run(number)) };
+    // Before the run counts as over, as what changed now was changed by its program.
     let change = journal.restore()?;
     work.end(number);
     let Some(Finished::Run { mut end, mut line }) = message.transpose()? else { return Ok(()) };

@@ -136,12 +136,14 @@ impl GradePlan {
             Some(seeds) => seeds.clone(),
             None => course.seeds().map_err(GradeError::Rules)?,
         };
+        // Whoever reads the grade must not learn the seeds.
         let redaction = Redaction::new(seeds.iter());
         let entry_file = entry_file(&request.entry);
         let folder = request.rules.parent().unwrap_or(Path::new(""));
         let baselines: Vec<PathBuf> = rules
             .baselines
             .iter()
+            // Names without the ending are those of built-in planners.
             .map(|name| if name.ends_with(".toml") { folder.join(name) } else { PathBuf::from(name) })
             .collect();
         let plan = entry_file.map_err(|fault| vec![fault]).and_then(|entry| {
@@ -149,6 +151,7 @@ impl GradePlan {
             let course_request = CourseRequest { entries, seeds: Some(seeds), ..CourseRequest::default() };
             match course_request.resolve_by(&course, &|path| read_entry(path, &rules), true) {
                 Ok(found) => Ok(Ok(found.plan)),
+                // Only faults of the entry make a grade; one of a baseline is a fault of the course.
                 Err(CourseRefusal::Entries(faults)) if faults.iter().all(|fault| fault.path == entry) => Err(faults),
                 Err(CourseRefusal::Entries(faults)) => {
                     let of_baseline = faults.into_iter().find(|fault| fault.path != entry);
@@ -157,6 +160,7 @@ impl GradePlan {
                 Err(refusal) => Ok(Err(GradeError::Refused(refusal))),
             }
         });
+        // Faults of the course end here, those of the entry become its grade.
         let plan = match plan {
             Ok(plan) => Ok(plan?),
             Err(faults) => Err(faults),
@@ -184,6 +188,7 @@ impl GradePlan {
         };
         let options = RunOptions { memory: plan.memory, ..options.clone() };
         let played = with_threads(jobs, || {
+            // A run is a job by itself, as some take much longer than others.
             let numbers = (1..=plan.count()).collect::<Vec<u64>>().into_par_iter().with_max_len(1);
             let played = numbers.map(|number| {
                 let AuditedRun { row, violation, .. } = audited_run(&plan.run(number), &options);
@@ -201,6 +206,7 @@ impl GradePlan {
         let mut grade =
             self.grade(vec![GradedTest::new(VALID, false, self.rules.points.valid, reasons.join("; ") + ".")]);
         let points = self.rules.points;
+        // Listed although not played, so that the maximum of points is that of every entry.
         let others = [(NO_CRASH, points.no_crash), (NO_VIOLATION, points.no_violation)];
         let baselines = self.rules.baselines.iter().map(|name| (beats(name), points.baseline));
         let effort = self.rules.max_expansions.map(|_| (EFFORT_WITHIN.to_owned(), points.effort));
@@ -235,6 +241,7 @@ impl GradePlan {
 
     /// Marks the runs of all variants, in the order of the plan.
     fn marked(&self, plan: &BatchPlan, played: &[GradedRun]) -> Grade {
+        // Runs come by variant, first the entry's and then each baseline's, equally many of each.
         let groups = 1 + self.rules.baselines.len();
         let ours = &played[..played.len() / groups];
         let values = self.values(played);
@@ -322,6 +329,7 @@ impl GradePlan {
         let mut remarks: Vec<String> = failures.map(|sentence| self.redaction.of(&sentence)).collect();
         let mut worst: Vec<usize> = (0..values.len()).collect();
         worst.sort_by(|one, other| self.better.best_first(values[*other], values[*one]));
+        // Ordinals, as the numbers of seeds stay hidden.
         let worst =
             worst.into_iter().take(MAX_WORST_RUNS).map(|run| format!("run {} ({})", run + 1, short(values[run])));
         let worst: Vec<String> = worst.collect();

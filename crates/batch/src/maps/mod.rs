@@ -184,6 +184,7 @@ pub fn map_batches(
     let selection::RunGroups { groups, unpaired } = selection::groups(&sources)?;
     let mut sums: Option<Sums> = None;
     let mut not_run = 0;
+    // In rounds, as the maps of all runs of a large batch would not fit into memory.
     for round in groups.chunks(RUNS_PER_ROUND * jobs) {
         let maps: Vec<_> = pool.install(|| {
             // A run is a job by itself, as making one again takes far longer than reading a recording.

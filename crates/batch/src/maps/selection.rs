@@ -118,11 +118,13 @@ impl MapSource {
             let timeline = file::read(&path).map_err(|source| MapsError::Unreadable { path: path.clone(), source })?;
             let scenario = timeline.setting.scenario.clone();
             let seed = timeline.setting.seed;
+            // A recording may have been replaced by one of another batch.
             if seed != run.seed || scenario != run.variant.scenario.name {
                 return Err(MapsError::OtherRun { path, scenario, seed, expected: run.seed });
             }
             return Ok(Some((timeline, true)));
         }
+        // Under the limit of the plan, by which a run may fail.
         let options = RunOptions { memory: self.batch.plan().memory, ..registry.clone().into() };
         let again = panics::catch(|| wildfire_sim::run_with_options(&run.variant.scenario, run.seed, &options));
         Ok(again.ok().and_then(Result::ok).map(|run| (run.timeline, false)))

@@ -288,6 +288,7 @@ impl BatchPlan {
                 _ => None,
             });
             let crews = scenario.custom_line_policy().map(|name| ("policy", name));
+            // Programs are part of the scenario, and need no registry.
             let missing = planners.chain(trucks).chain(wumpuses).chain(crews).find(|&(kind, name)| match kind {
                 "planner" => !registry.planners.knows(name) && !is_external(&scenario.planner, name),
                 _ => {

@@ -200,6 +200,7 @@ impl BatchPlan {
             let variant = usize::try_from(index / seeds).expect("a plan's variants fit into memory");
             return RunPlace { variant, seed: index % seeds };
         };
+        // A rule stopped the variants after different numbers of seeds.
         let mut seed = index;
         for (variant, &of_variant) in played.iter().enumerate() {
             if seed < of_variant {

@@ -153,6 +153,7 @@ fn parse_range(part: &str) -> Result<RangeInclusive<u64>, SeedsError> {
 fn first_repeated(ranges: &[RangeInclusive<u64>]) -> Option<u64> {
     let mut sorted: Vec<_> = ranges.iter().map(|range| (*range.start(), *range.end())).collect();
     sorted.sort_unstable();
+    // Sorted by their beginnings: where any two ranges overlap, two neighbours do.
     sorted.windows(2).find(|pair| pair[1].0 <= pair[0].1).map(|pair| pair[1].0)
 }
 

@@ -162,6 +162,7 @@ impl<'a> Range<'a> {
                 "is invalid; expected FIRST..LAST:STEP with a step above 0 and LAST not below FIRST".into(),
             ));
         }
+        // Nothing overflows, as no number has more than 15 digits.
         let count = (last - first) / step + 1;
         if count > MAX_VALUES {
             return Err(refuse(format!("has {count} values; expected at most {MAX_VALUES}")));
@@ -193,6 +194,7 @@ impl<'a> Decimal<'a> {
     fn parse(text: &'a str) -> Option<Self> {
         let digits = text.strip_prefix('-').unwrap_or(text);
         let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+        // `1` and `1.0` are numbers, `1.` and `.5` are not.
         let is_number = !whole.is_empty() && (whole.len() == digits.len() || !fraction.is_empty());
         let are_digits = [whole, fraction].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
         (is_number && are_digits).then_some(Self { is_negative: digits.len() < text.len(), whole, fraction })
@@ -200,6 +202,7 @@ impl<'a> Decimal<'a> {
 
     /// Counts it in units of the digit at this place after the point.
     fn in_units(&self, digits_after_point: usize) -> Option<i64> {
+        // Zeros at the end bring all three numbers to the same unit.
         let digits = format!("{}{:0<digits_after_point$}", self.whole, self.fraction);
         let number: i64 = (digits.len() <= MAX_DIGITS).then(|| digits.parse().ok()).flatten()?;
         Some(if self.is_negative { -number } else { number })

@@ -98,6 +98,7 @@ pub fn wilson_interval(hits: u64, trials: u64) -> Option<Interval> {
     let weight = z * z / n;
     let centre = (rate + 0.5 * weight) / (1.0 + weight);
     let half_width = z * (rate * (1.0 - rate) / n + 0.25 * weight / n).sqrt() / (1.0 + weight);
+    // At the ends the bounds are exact, where rounding could leave the range.
     let low = if hits == 0 { 0.0 } else { centre - half_width };
     let high = if hits == trials { 1.0 } else { centre + half_width };
     Some(Interval { low, high })

@@ -23,6 +23,7 @@ pub fn paired_power(effect: f64, pairs: u64) -> Option<f64> {
 /// [`POWER`]; `None` beyond a thousand million.
 pub fn pairs_for_power(effect: f64) -> Option<u64> {
     let suffices = |pairs| paired_power(effect, pairs).is_some_and(|power| power >= POWER);
+    // Doubled until it suffices and then narrowed down by halves, as power rises with the number of pairs.
     let (mut too_few, mut enough) = (1, 2);
     while !suffices(enough) {
         (too_few, enough) = (enough, 2 * enough);

@@ -104,6 +104,7 @@ impl Series {
     /// Returns [`Self::mean_interval_within`], or an interval made in the same way from that of a confidence sequence.
     pub fn mean_interval_for(&self, validity: Validity, (min, max): (f64, f64)) -> Option<Interval> {
         let plain = match validity {
+            // Equal numbers say nothing about numbers that have not been seen.
             Validity::AtFixedSize => self.mean_interval().filter(|plain| plain.low < plain.high)?,
             Validity::AtAnyTime => sequence_interval(self, 1.0 - CONFIDENCE)?,
         };
@@ -119,6 +120,7 @@ impl Series {
         if below <= 0.0 || above <= 0.0 || below.is_infinite() {
             return Some(plain);
         }
+        // Logarithms where only the lower end is bounded, and the logarithm of odds where both are.
         if above.is_infinite() {
             let factor = ops::exp(reach / below);
             let high = if self.count == 2 { plain.high } else { min + below * factor };

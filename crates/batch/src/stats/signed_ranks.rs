@@ -78,11 +78,13 @@ fn exact_p_value(ranked: &[SignedRank], smaller: u64) -> f64 {
     choices[0] = 1;
     for rank in ranked {
         let step = rank.doubled as usize;
+        // Downwards, or a rank would be added to sums that it is part of already.
         for sum in (step..choices.len()).rev() {
             choices[sum] += choices[sum - step];
         }
     }
     let at_most: u64 = choices[..=smaller as usize].iter().sum();
+    // It fits, since `EXACT_UP_TO` is below 64.
     let all = 1_u64 << ranked.len();
     (2.0 * at_most as f64 / all as f64).min(1.0)
 }

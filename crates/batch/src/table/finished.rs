@@ -135,6 +135,7 @@ impl FinishedRows {
         let columns = self.places.iter().zip(RUN_COLUMNS);
         let values = columns.map(|(&place, column)| self.table.value(place, column.kind));
         let record = RunRecord::from_values(values.collect::<Result<_, _>>()?);
+        // A table that was sorted or edited no longer fits its plan.
         if (record.seed(), record.number_in_plan()) != (seed, run.number) {
             let reason = format!("it has the row of seed {}; expected that of seed {seed}", record.seed());
             return Err(other(&self.table, reason));

@@ -142,6 +142,7 @@ impl Alexandridis {
                 rules.slope_factor(gradient.x * way.x + gradient.y * way.y, length(way))
             })
         };
+        // On a plane they depend on the direction alone.
         let slope_factors = match landscape.relief {
             Relief::Plane(gradient) => Some(on_plane(gradient)),
             Relief::Elevation(_) | Relief::Gradient(_) => None,
@@ -206,6 +207,7 @@ impl Alexandridis {
                         caught.push(to);
                     }
                 }
+                // A cell burns for one step and tries once.
                 fires.burn_out(from);
             }
             if caught.is_empty() {

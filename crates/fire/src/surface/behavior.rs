@@ -40,6 +40,7 @@ impl FuelBed {
     /// this gradient.
     pub fn behavior(&self, midflame_mps: DVec2, gradient: DVec2, options: &SurfaceOptions) -> SurfaceFire {
         let steepness = length(gradient.extend(0.0));
+        // Wind and slope are added in the plane of the slope, or on the map and tilted afterwards.
         let (wind, uphill) = match options.combine {
             Combine::Plane => (lift(midflame_mps, gradient), gradient.extend(steepness * steepness)),
             Combine::Flat => (midflame_mps.extend(0.0), gradient.extend(0.0)),
@@ -49,6 +50,7 @@ impl FuelBed {
         let together = unit(wind) * wind_factor + unit(uphill) * slope_factor;
         let mut factor = length(together);
         let mut effective = self.wind_of(factor);
+        // In ft/min, like the effective wind.
         let max = match options.wind_limit {
             WindLimit::None => f64::INFINITY,
             WindLimit::Rothermel1972 => 0.9 * self.reaction_intensity,
@@ -57,6 +59,7 @@ impl FuelBed {
         let wind_is_limited = effective > max;
         if wind_is_limited {
             effective = max;
+            // The rate must fit the limited wind, from which the shape below follows too.
             factor = self.wind_factor(max);
         }
         let along = match options.combine {

@@ -461,6 +461,7 @@ impl CrownFire {
             return surface;
         }
         let FireHead { rate_mps, heat_kj_m2, .. } = self.head(method);
+        // So that `heat_kj_m2`, the product with the residence time, is the heat of the whole fire.
         let fire = SurfaceFire { rate_mps, reaction_intensity_kw_m2: heat_kj_m2 / surface.residence_s, ..surface };
         // Without wind a crown fire has no direction of its own.
         if kind == FireType::Passive || toward == DVec2::ZERO {

@@ -127,6 +127,7 @@ impl FuelBed {
         };
 
         let sav = overall(&|class| class.sav);
+        // Bulk density (40), packing ratio (31), and that over its optimum (37).
         let bulk_density = model.loads.iter().sum::<f64>() / model.depth_ft;
         let packing = bulk_density / PARTICLE_DENSITY;
         let relative_packing = packing / (3.348 * ops::pow(sav, -0.8189));
@@ -137,9 +138,11 @@ impl FuelBed {
         };
         let dead_state = state(&dead, model.dead_extinction);
         let live_state = state(&live, live_extinction(&dead, &live, model.dead_extinction));
+        // Damping by minerals (30).
         let mineral_damping = (0.174 * ops::pow(EFFECTIVE_MINERALS, -0.19)).min(1.0);
         let burning_dead = net_load(&dead) * moisture_damping(dead_state);
         let burning_live = net_load(&live) * moisture_damping(live_state);
+        // The greatest reaction velocity (36), and Albini's (1976) exponent in place of (39).
         let coarse = sav * sav.sqrt();
         let fastest = coarse / (495.0 + 0.0594 * coarse);
         let exponent = 133.0 * ops::pow(sav, -0.7913);
@@ -154,9 +157,11 @@ impl FuelBed {
         };
         let reaction_intensity = burning_heat * mineral_damping;
 
+        // The ratio of the propagating flux (42), and the heat that ignites the bed (12, 14).
         let flux = ops::exp((0.792 + 0.681 * sav.sqrt()) * (packing + 0.1)) / (192.0 + 0.2595 * sav);
         let heat_sink =
             bulk_density * overall(&|class| ops::exp(-138.0 / class.sav) * (250.0 + 1116.0 * class.moisture));
+        // Wind coefficients (48 to 50).
         let wind_power = 0.715 * ops::exp(-3.59e-4 * sav);
         Self {
             r0: reaction_intensity * flux / heat_sink,

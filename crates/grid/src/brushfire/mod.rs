@@ -87,6 +87,7 @@ impl<'a, T: StepCount> BandSweep<'a, T> {
     /// how many are left when a distance does not fit.
     fn run(&mut self, rows: usize, values: &mut Grid<u16>) -> usize {
         let bands = (0..rows).step_by(BAND).map(|start| start..rows.min(start + BAND));
+        // This pass leaves the last row of each band in `values`, from which the next one can begin the following band.
         for band in bands.clone() {
             self.descend(band.clone(), values);
             self.band[band.len()].store(values.row_mut(band.end - 1));
@@ -94,6 +95,7 @@ impl<'a, T: StepCount> BandSweep<'a, T> {
         if rows < values.rows() {
             self.below.load_values(values.row(rows));
         }
+        // Upwards, as a row is finished only when all below it are.
         for band in bands.rev() {
             self.descend(band.clone(), values);
             let left = self.finish(band.clone(), values);

@@ -15,6 +15,7 @@ pub(super) fn append_float(value: f64, text: &mut Vec<u8>) {
     if value.is_nan() {
         return text.extend_from_slice(b"nan");
     }
+    // Infinities have no exponent, which is looked for below.
     if value.is_infinite() || value == 0.0 {
         return write!(text, "{value}").expect(WRITABLE);
     }

@@ -62,6 +62,7 @@ pub(super) fn decode(
     data.resize(decoded, 0);
     decoder.read_image(&mut data).map_err(damaged)?;
     let (rows, cols) = (rows as usize, cols as usize);
+    // The bytes of the commonest kind of image are its grey values already and need no second copy.
     if colour_type == ColorType::L8 {
         return Ok(GreyImage { grey: Grid::from_values(rows, cols, data), is_unknown: None, notes });
     }
@@ -106,6 +107,7 @@ pub(super) fn turned(mut image: GreyImage, orientation: Orientation) -> GreyImag
     };
     image.notes.push("the image was turned as its orientation tag says".to_owned());
     image.grey = turn(image.grey);
+    // The mask is turned as an image of zeros and ones.
     image.is_unknown = image.is_unknown.map(|is_unknown| {
         let bytes = is_unknown.values().iter().map(|&pixel| u8::from(pixel)).collect();
         let turned = turn(Grid::from_values(is_unknown.rows(), is_unknown.cols(), bytes));

@@ -73,6 +73,7 @@ impl MapFile {
 
     /// Returns the map that an image shows.
     pub(super) fn from_grey(mut grey: Grid<u8>, mut notes: Vec<String>, reading: Reading) -> Self {
+        // Before the threshold is looked for, which has to fit the inverted image.
         if reading.inverted {
             grey.values_mut().iter_mut().for_each(|value| *value = 255 - *value);
         }
@@ -106,6 +107,7 @@ impl MapFile {
     /// Returns sentences on why an image may have been misread: obstacles that are slightly or far too light, or a
     /// drawing that is white on black. None of them suggests what was already done.
     pub fn doubts(&self) -> Vec<String> {
+        // Tables and texts have no grey values, and leave nothing to doubt.
         let (Some(near), Some(tolerance)) = (self.share_near(), self.tolerance) else { return Vec::new() };
         let cells = self.occupied.values();
         let occupied = cells.iter().filter(|&&occupied| occupied).count() as f64 / cells.len() as f64;
@@ -200,6 +202,7 @@ fn resized<T: Copy>(
     (rows, cols): (usize, usize),
     mut join: impl FnMut(T, T) -> T,
 ) -> Result<Grid<T>, Fault> {
+    // Rounded outwards, so that no obstacle is lost that a new cell merely touches.
     let covered =
         |new: usize, all_new: usize, all_old: usize| new * all_old / all_new..((new + 1) * all_old).div_ceil(all_new);
     let mut values = with_room(rows * cols)?;

@@ -26,6 +26,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<Grid<bool>, F
     let (lines, length) = if header.is_by_columns { (cols, rows) } else { (rows, cols) };
     // Each value takes a byte or more, so a short file gets no more room than its bytes can fill.
     let mut cells = with_room(usize::try_from(bytes).unwrap_or(usize::MAX).min(rows * cols))?;
+    // A line at a time: the raw bytes of a whole array may take eight times the room of its cells.
     let mut line_bytes = Vec::new();
     for line in 0..lines {
         let place = |at| if header.is_by_columns { (at, line) } else { (line, at) };
@@ -47,6 +48,7 @@ pub(super) fn read(mut source: impl BufRead, bytes: u64) -> Result<Grid<bool>, F
     if !source.fill_buf()?.is_empty() {
         return Err(Fault::GoesOn { rows });
     }
+    // Fortran's order has whole columns one after the other, while a grid is row by row.
     if header.is_by_columns {
         let by_columns = Grid::from_values(cols, rows, cells);
         cells = with_room(rows * cols)?;
@@ -77,6 +79,7 @@ impl ArrayHeader {
     fn read(source: &mut impl BufRead) -> Result<Self, Fault> {
         let mut start = [0; 8];
         read_whole(source, &mut start)?;
+        // Version 1 has 16 bits for the length of the header, later ones have 32.
         let length = if start[6] == 1 {
             let mut length = [0; 2];
             read_whole(source, &mut length)?;
@@ -172,8 +175,10 @@ fn value_type(descr: &str) -> Result<(bool, NumberKind, usize), Fault> {
         };
         Fault::Array { found, expected }
     };
+    // Every type that is read has three letters; longer names are texts, dates, records or wide floats.
     let [order, kind, size] = *name.unwrap_or_default().as_bytes() else { return Err(unfit()) };
     let is_big_endian = match order {
+        // A single byte has no order, for which numpy writes `|`.
         b'<' | b'|' => false,
         b'>' => true,
         b'=' => cfg!(target_endian = "big"),

@@ -67,6 +67,7 @@ impl PictureFormat {
         let mut image = match self {
             Self::Jpeg => {
                 has_several = false;
+                // The decoder fills up what a file that was cut off lacks, and such a map would have false cells.
                 if !reaches_its_end(bytes) {
                     return Err(Fault::Image { message: "the file ends before the image does".to_owned() });
                 }

@@ -24,6 +24,7 @@ pub(super) fn read<R: BufRead + Seek>(
     let header = PngHeader::parse(source.fill_buf()?)?;
     let size = (header.rows, header.cols);
     check_size(header.rows, header.cols)?;
+    // This limit is for what a file holds beside its pixels, whose size is checked below.
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_EXTRAS);
     let decoder = PngDecoder::with_limits(source, limits).map_err(damaged)?;

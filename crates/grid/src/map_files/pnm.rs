@@ -65,6 +65,7 @@ impl PnmHeader {
     fn read(source: &mut impl BufRead, transparency: Transparency) -> Result<Self, Fault> {
         let mut magic = [0; 2];
         source.read_exact(&mut magic)?;
+        // Only the digits 1 to 7 pass `is_start`.
         let kind = magic[1] - b'0';
         if kind == 7 {
             return Self::read_tuples(source, transparency);
@@ -73,6 +74,7 @@ impl PnmHeader {
         let cols = header_number(source, "width")? as usize;
         let rows = header_number(source, "height")? as usize;
         check_size(rows, cols)?;
+        // Bitmaps do not state the largest value: theirs is always 1.
         let max = if is_bitmap { 1 } else { header_number(source, "largest value")? };
         let max = largest_value(max)?;
         let encoding = match kind {
@@ -218,6 +220,7 @@ impl<R: BufRead> PnmPixels<R> {
         let found = self.source.by_ref().take(expected as u64).read_to_end(&mut self.bytes)?;
         let bytes = &self.bytes;
         if found < expected {
+            // The column of the first pixel that is missing: in packed bitmaps one byte holds eight of them.
             let col = match encoding {
                 Encoding::Bits => found * PIXELS_PER_BYTE,
                 _ => found / self.header.bytes_per_pixel(),
@@ -231,6 +234,7 @@ impl<R: BufRead> PnmPixels<R> {
                 u16::from(1 - bit)
             }));
         } else if layout.max > 255 {
+            // Netpbm puts the more significant byte first.
             self.samples.extend(bytes.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
         } else {
             self.samples.extend(bytes.iter().map(|&byte| u16::from(byte)));
@@ -263,6 +267,7 @@ fn read_number(source: &mut impl BufRead) -> io::Result<Token> {
         if !byte.is_ascii_digit() {
             return Ok(Token::Other(byte));
         }
+        // Saturating: a number that does not fit is as wrong as any that is too large.
         number = number.saturating_mul(10).saturating_add(u32::from(byte - b'0'));
         next = next_byte(source)?;
     }

@@ -307,6 +307,7 @@ impl MapFormat {
         } else if ros::is_start(text) {
             Self::Whole(WholeFormat::Ros)
         } else {
+            // Text without a signature is a table if its first line has separators.
             match Separator::of_first_line(first_line) {
                 Some(separator) => Self::Sequential(SequentialFormat::Table(separator)),
                 None => Self::Sequential(SequentialFormat::Text(comments)),

@@ -94,6 +94,7 @@ impl RosMap {
             Some(_) => return Err(entries.required("mode")?.unlike(MODES)),
         };
         let negate = entries.required("negate")?;
+        // Map servers write 0 and 1; the other spellings are those of a truth value in YAML 1.1.
         let negate = match negate.word(SWITCH)?.to_ascii_lowercase().as_str() {
             "0" | "false" | "no" | "off" | "n" => false,
             "1" | "true" | "yes" | "on" | "y" => true,
@@ -101,6 +102,7 @@ impl RosMap {
         };
         let occupied_thresh = entries.share("occupied_thresh")?;
         let free_thresh = entries.share("free_thresh")?;
+        // Cells between both thresholds are unknown; in the other order a cell could be free and occupied at once.
         if free_thresh > occupied_thresh {
             return Err(entries.required("free_thresh")?.unlike("at most `occupied_thresh`"));
         }
@@ -135,6 +137,7 @@ impl RosMap {
 
     fn state(&self, value: u8, inverted: bool) -> Occupancy {
         let value = if self.negate != inverted { 255 - value } else { value };
+        // Light pixels are free unless the file says `negate`.
         let probability = match self.mode {
             RosMode::Trinary | RosMode::Scale => f64::from(255 - value) / 255.0,
             RosMode::Raw if value <= 100 => f64::from(value) / 100.0,
@@ -201,6 +204,7 @@ struct YamlMembers(Vec<YamlValue>);
 impl YamlMembers {
     fn parse(text: &str) -> Result<Self, Fault> {
         let mut entries: Vec<YamlValue> = Vec::new();
+        // Members are at depth 1, where keys and values alternate.
         let (mut depth, mut is_key) = (0, true);
         for event in Parser::new_from_str(text) {
             let (event, span) =
@@ -210,6 +214,7 @@ impl YamlMembers {
                 Event::MappingEnd | Event::SequenceEnd => {
                     depth -= 1;
                     is_key = depth == 1;
+                    // A second document of the file is not part of the map.
                     if depth == 0 {
                         break;
                     }
@@ -226,6 +231,7 @@ impl YamlMembers {
                     is_key = false;
                 }
                 Event::MappingStart(..) | Event::SequenceStart(..) | Event::Scalar(..) | Event::Alias(_) => {
+                    // A list or a mapping in the place of a key, or a file that does not begin with a mapping.
                     let Some(entry) = entries.last_mut().filter(|_| depth > 1 || !is_key) else {
                         let message = "expected lines of `key: value`, as in the YAML file of a ROS map".to_owned();
                         return Err(Fault::Line { line: span.start.line(), message });

@@ -31,12 +31,14 @@ pub(super) fn read_rows<R: BufRead>(
             blank = true;
             continue;
         }
+        // Blank lines are allowed at the end, so only the row after one shows that it was in the middle.
         if blank {
             return Err(Fault::Blank { row: map.rows });
         }
         if max_rows == Some(map.rows) {
             return Err(Fault::GoesOn { rows: map.rows });
         }
+        // The number of rows is guessed from the first line, before which its width is unknown.
         if map.rows == 0 {
             map.cells = with_room(guessed_cells(line, bytes))?;
         }
@@ -70,6 +72,7 @@ impl TextRows {
             return Err(Fault::Beyond { row, col: 0 });
         }
         let before = self.cells.len();
+        // No format has more cells in a line than bytes.
         self.cells.try_reserve(line.len()).map_err(|_| Fault::Memory { cells: before + line.len() })?;
         cells_of(line, &mut self.cells).map_err(|BadCell { col, found, expected }| Fault::Cell {
             row,
@@ -78,6 +81,7 @@ impl TextRows {
             expected: expected.to_owned(),
         })?;
         let found = self.cells.len() - before;
+        // Without a declared size the first row decides the width of all.
         let expected = *self.cols.get_or_insert(found);
         if expected > MAX_SIDE {
             return Err(Fault::Beyond { row, col: MAX_SIDE });

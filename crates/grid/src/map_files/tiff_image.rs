@@ -33,6 +33,7 @@ pub(super) fn read(bytes: &[u8], transparency: Transparency) -> Result<GreyImage
     }
     let samples = Samples::of(decoder.colortype().map_err(damaged)?, transparency)?;
     let decoded = rows as u64 * samples.bytes_per_row(size.1) as u64;
+    // Refused by its header alone: a small file may unpack to gigabytes.
     check_decoded(decoded, MAX_DECODED, bytes.len() as u64, size)?;
     if decoder.image_buffer_layout().map_err(damaged)?.planes > 1 {
         return Err(unfit("its colours are in separate planes"));

@@ -77,6 +77,7 @@ pub fn jump_point_search(
         let arrival = (here != start).then(|| direction(parent, here));
         for towards in followed(occupied, here, arrival, corners) {
             let Some(to) = jumps.jump(here, towards).filter(|&to| !closed[to]) else { continue };
+            // A jump keeps one direction, so the octile length between its ends is that of the cells it crosses.
             let length = by_way_of(here, lengths[here], to);
             // Strictly shorter, so that of equal paths the first found stays.
             if lengths[to] == UNSEEN || metric(length) < metric(lengths[to]) {
@@ -175,12 +176,14 @@ fn forced(
     let ahead = |side: Direction| (side.0 + row, side.1 + col);
     let behind = |side: Direction| (side.0 - row, side.1 - col);
     let candidates = match (row != 0 && col != 0, corners) {
+        // An obstacle beside the cell before hides the cell behind it, which is nearest by way of here.
         (true, CornerCutting::Allowed) => {
             [if_blocked((-row, 0), (-row, col)), if_blocked((0, -col), (row, -col)), None, None]
         }
         // A diagonal step needs both cells beside it free, so nothing is hidden behind them.
         (true, CornerCutting::Forbidden) => [None; 4],
         (false, CornerCutting::Allowed) => [if_blocked(left, ahead(left)), if_blocked(right, ahead(right)), None, None],
+        // Corners may not be cut, so that the way turns one cell later, when it has passed the obstacle's end.
         (false, CornerCutting::Forbidden) => [
             if_blocked(behind(left), left),
             if_blocked(behind(left), ahead(left)),

@@ -59,6 +59,7 @@ pub fn theta_star(
     let distance = |from: Place, to: Place| GridPoint::centre(from).distance(GridPoint::centre(to));
     let first = index_of(occupied, start) as u32;
     let last = index_of(occupied, goal) as u32;
+    // The start is the parent of itself, so that its neighbours need no special case below.
     let unseen = ThetaNode { cost: f64::INFINITY, parent: first, closed: false };
     let mut nodes = Grid::filled(occupied.rows(), occupied.cols(), unseen);
     let mut open = OpenList::default();

@@ -86,6 +86,7 @@ impl PointIndex {
                 }
                 continue;
             }
+            // Between its first and its last row a ring has two squares only.
             if left >= 0 {
                 take(&self.squares[(row, left as usize)]);
             }

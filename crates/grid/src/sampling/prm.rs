@@ -54,6 +54,7 @@ pub fn probabilistic_roadmap(
     }
     let mut rng = rng::stream(settings.seed, "map/prm");
     let drawn: Vec<GridPoint> = (0..settings.samples).map(|_| draw_point(occupied, &mut rng)).collect();
+    // Sorted out after all draws, so that an obstacle does not move the points that follow.
     let free = drawn.into_iter().filter(|point| !occupied[point.cell()]);
     // The ends come first, so that the start has number 0 and the goal number 1.
     let points: Vec<GridPoint> = [start, goal].map(GridPoint::centre).into_iter().chain(free).collect();

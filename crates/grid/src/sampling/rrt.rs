@@ -158,6 +158,7 @@ impl SearchTree<'_> {
         let mut cost = cost_by(self, nearest);
         for &by in around {
             let to_point = cost_by(self, by);
+            // The cheap comparison comes first: tests of segments are the main work.
             if to_point < cost && is_free_segment(self.occupied, self.points[by as usize], point, CORNERS) {
                 (parent, cost) = (by, to_point);
             }
@@ -168,6 +169,7 @@ impl SearchTree<'_> {
         self.costs.push(cost);
         self.children.push(Vec::new());
         self.children[parent as usize].push(number);
+        // Rewiring (Karaman, Frazzoli, 2011) needs the cost of the new point, and so comes last.
         for &other in around {
             let at = self.points[other as usize];
             let by_point = cost + point.distance(at);
@@ -187,6 +189,7 @@ impl SearchTree<'_> {
         self.costs[number as usize] = cost;
         let mut front = vec![number];
         while let Some(here) = front.pop() {
+            // A copy, as costs change while the list is read.
             for child in self.children[here as usize].clone() {
                 let edge = self.points[here as usize].distance(self.points[child as usize]);
                 self.costs[child as usize] = self.costs[here as usize] + edge;

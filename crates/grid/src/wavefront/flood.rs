@@ -55,7 +55,9 @@ impl<'a> TileFlood<'a> {
         if self.open.is_empty() {
             return None;
         }
+        // With nothing pending, the empty levels up to the next arrival are skipped.
         let first = if self.pending.is_empty() { earliest(self.arrivals, self.level)? } else { self.level };
+        // Place 0 takes the arrivals of other windows, so that `sow` need not branch.
         let mut seeds = [TileSet::NONE; SPAN + 1];
         let last = self.sow(first, &mut seeds);
         seeds[1] |= self.pending;
@@ -74,6 +76,7 @@ impl<'a> TileFlood<'a> {
             planes[0] |= b | d;
             planes[1] |= c | d;
             for (bit, plane) in planes[2..].iter_mut().enumerate() {
+                // The number of the block has the higher bits of the level.
                 if block >> bit & 1 == 1 {
                     *plane |= a | b | c | d;
                 }

@@ -80,6 +80,7 @@ impl<'a> Tiles<'a> {
         }
         let mut record = self.records.get_mut(tile);
         record.set_sides(&sides);
+        // Codes count from the first level of one window, and hold for the tile only if that window reached all of it.
         self.first[index] = match only {
             Some((first, codes)) if windows == 1 && joins && previous != OFTEN => {
                 self.records.set_codes(tile, &codes);
@@ -92,6 +93,7 @@ impl<'a> Tiles<'a> {
 
     /// Lowers the steps at the sides of a tile's neighbours, and puts those that this improves on the agenda.
     fn announce<M: Moves>(&mut self, tile: Place, sides: &Sides, agenda: &mut TileQueue) {
+        // Cells beside a corner decide whether the diagonal step over it is legal.
         let mut walls = [[WALL; 2]; 4];
         for side in [NORTH, SOUTH, WEST, EAST] {
             if let Some(next) = self.next(tile, side) {

@@ -77,6 +77,7 @@ impl BarChart {
             let titles = Titles { x: names.key.clone().unwrap_or_else(|| titles.x.clone()), ..titles };
             let grid = GRID.with_names(width, panels.iter().map(|panel| panel.name.as_str()));
             let heights = vec![grid.panel_height(width, PANEL_HEIGHT); panels.len()];
+            // A panel without a name is the only one, and takes the whole plot.
             let is_alone = panels[0].name.is_empty();
             let height = if is_alone { HEIGHT } else { grid.height(&heights) };
             let layout =
@@ -119,6 +120,7 @@ impl BarChart {
         draw_panel_name(drawing, plot, LEFT, &panel.name);
         plot.draw_y_axis(drawing, scale);
         let room = self.room(plot.right - plot.left);
+        // Never 0, as a panel may have axes but no series.
         let count = panel.series.len().max(1) as f32;
         let width = (room * BARS / count).min(WIDEST);
         let bars = panel.series.iter().flat_map(|series| series.bars.iter().flatten());

@@ -174,6 +174,7 @@ fn draw_box(drawing: &mut Drawing, axis: &Axis, middle: f32, series: &BoxSeries,
     let right = axis.x(upper).max(axis.x(lower) + 2.0);
     series.style.fill_rect(drawing, (left, middle - half), (right, middle + half));
     let at = axis.x(median);
+    // White beneath the line, which a dark box would hide.
     for (width, colour) in [(4.0, PAPER), (1.8, INK)] {
         drawing.line(vec![(at, middle - half - 2.0), (at, middle + half + 2.0)], width, colour);
     }

@@ -117,6 +117,7 @@ impl CurveChart {
             self.panels.iter().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points).map(|(x, _)| *x);
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let width = f64::from(plot.right - plot.left);
+        // The room is itself part of the scale, so it is a share of the width that is left.
         let room = (high - low) * aside / (width - 2.0 * aside);
         if room.is_finite() && room > 0.0 {
             AxisScale { low: x.low.min(low - room), high: x.high.max(high + room) }

@@ -125,6 +125,7 @@ pub const CAPITALS: f32 = 0.72;
 fn push_mark(svg: &mut String, mark: &DrawingMark) {
     let written = match mark {
         DrawingMark::Area { corners, colour, opacity } => {
+            // SVG is opaque by default, which keeps files of many areas short.
             let opacity = if *opacity < 1.0 { format!(" fill-opacity=\"{opacity}\"") } else { String::new() };
             writeln!(svg, "<polygon points=\"{}\"{}{opacity}/>", places(corners), painted("fill", *colour))
         }

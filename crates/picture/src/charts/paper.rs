@@ -54,6 +54,7 @@ impl Drawing {
         let scale = size.points_per_unit();
         let [catalog, pages, page, content, info] = [1, 2, 3, 4, 5].map(Ref::new);
         let opacities = self.opacities();
+        // States of opacity come after the five objects above.
         let state = |index: usize| Ref::new(6 + index as i32);
         let mut pdf = Pdf::new();
         // Publishers take no more than 1.5, pdfTeX warns of more than it writes itself; opacity needs 1.4.
@@ -71,6 +72,7 @@ impl Drawing {
         states.finish();
         resources.finish();
         sheet.finish();
+        // Only fills need a state, as lines are always opaque.
         for (index, &opacity) in opacities.iter().enumerate() {
             pdf.ext_graphics(state(index)).non_stroking_alpha(opacity);
         }
@@ -132,7 +134,9 @@ impl Drawing {
     /// Returns a picture for `\input` in LaTeX, where it needs `\usepackage{pgf}`.
     pub fn to_pgf(&self, size: PaperSize) -> String {
         let scale = size.points_per_unit();
+        // PGF counts upwards from the lower left corner, in PostScript's points.
         let point = |(x, y): Point| format!("\\pgfpoint{{{:.2}bp}}{{{:.2}bp}}", x * scale, (self.height - y) * scale);
+        // In a group, as every mark defines the colour `wildfire` again, which must not reach the document.
         let mut pgf = format!(
             "% {}\n% \\usepackage{{pgf}}, then \\input this file.\n\\begingroup\n\\begin{{pgfpicture}}\n\
              \\pgfpathrectangle{{\\pgfpointorigin}}{{{}}}\\pgfusepath{{use as bounding box}}\n\
@@ -165,6 +169,7 @@ impl Drawing {
                         Align::Centre => "",
                         Align::Right => ",right",
                     };
+                    // `\fontsize` wants the distance of lines too, which a single line does not use.
                     let font = height / CAPITALS * scale;
                     writeln!(
                         pgf,

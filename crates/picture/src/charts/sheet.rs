@@ -358,6 +358,7 @@ impl AxisScale {
         let finite = ranges.filter(|(low, high)| low.is_finite() && high.is_finite());
         let (low, high) =
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), (low, high)| (min.min(low), max.max(high)));
+        // Nothing is finite, but an axis is drawn all the same.
         if low > high {
             return Self { low: 0.0, high: 1.0 };
         }

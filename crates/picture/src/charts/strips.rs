@@ -71,6 +71,7 @@ impl StripChart {
         let strips = || self.panels.iter().flat_map(|panel| &panel.strips);
         let has_names = strips().count() > 1;
         let widest = strips().map(|strip| width_of(&strip.name, LABEL)).fold(0.0, f32::max);
+        // A single strip needs no name, as there is no other.
         let left = if has_names { widest.min(WIDEST_NAME) + 12.0 } else { 0.0 };
         let row = if has_names { ROW } else { ONE_ROW };
         let scale =

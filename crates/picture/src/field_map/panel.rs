@@ -279,6 +279,7 @@ impl<'a> Panel<'a> {
                 ));
             }
         };
+        // All that could burn is one entry: a missing value means the same on each kind of vegetation.
         add(&[GroundCover::Grass, GroundCover::Shrub, GroundCover::Timber, GroundCover::Slash], self.map.without_value);
         for cover in [GroundCover::Water, GroundCover::Road, GroundCover::Bare, GroundCover::Nothing] {
             add(&[cover], cover.name());
@@ -399,6 +400,7 @@ fn draw_arrow(canvas: &mut Canvas, (x, y): Point, azimuth_deg: f64, half: f32, u
     let at = |along: f32, across: f32| {
         (x + along * towards.x + across * towards.y, y - along * towards.y + across * towards.x)
     };
+    // A pale line beneath, so that arrows can be seen on dark colours.
     for (width, colour) in [(3.4, PAPER), (1.4, INK)] {
         canvas.polyline(&[at(-half, 0.0), at(half, 0.0)], width * unit, colour);
         canvas.polyline(

@@ -111,9 +111,11 @@ impl MapQuantity {
             Self::ArrivalTime => (low.min(0.0), high),
             Self::Intensity => (low.max(high / SPAN).min(high), high),
             Self::FlameLength | Self::Rate => (low.min(0.0), high),
+            // Equal sides differ by 0 everywhere, and even then the scale needs a width.
             Self::ProbabilityDifference => (-max.max(0.01), max.max(0.01)),
             Self::TimeDifference | Self::IntensityDifference => (-max.max(1.0), max.max(1.0)),
         };
+        // A logarithmic scale over less than a factor of four would have hardly a tick.
         let is_logarithmic = self == Self::Intensity && high > 4.0 * low && low > 0.0;
         let (ticks, unit) = match self {
             Self::ArrivalTime | Self::TimeDifference => time_ticks(low, high),

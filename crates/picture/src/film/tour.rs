@@ -60,6 +60,7 @@ struct Guide<'a> {
 impl Guide<'_> {
     /// Makes a stop about a moment; its camera is that of the whole field.
     fn stop(&self, moment: SimTime, speed: f64, text: String) -> TourStop {
+        // The lead is in seconds of the film, so that it grows with the speed.
         let begin_s = (moment.as_seconds() - LEAD_S * speed).max(0.0);
         let end_s = (begin_s + STOP_S * speed).min(self.run.end_time().as_seconds());
         let status = Some(Status { is_paused: false, speed, message: Some(text) });
@@ -142,6 +143,7 @@ impl Guide<'_> {
         let mut closest: Option<LastSecond> = None;
         for event in &timeline.events {
             match event.bush_change() {
+                // A bush that burns again counts from its last ignition.
                 Some((cell, BushState::Burning { since })) => drop(ignited.insert(cell, since)),
                 Some((cell, BushState::Extinguished)) => {
                     let Some(&since) = ignited.get(&cell) else { continue };

@@ -141,6 +141,7 @@ impl<W: Write> McapWriter<W> {
             span: None,
         };
         writer.put(MAGIC)?;
+        // The profile is empty, as messages follow none.
         writer.record(kind::HEADER, &RecordContent::default().text("").text(program).0)?;
         Ok(writer)
     }
@@ -220,6 +221,7 @@ impl<W: Write> McapWriter<W> {
     /// Writes the summary.
     pub fn finish(mut self) -> io::Result<()> {
         self.end_chunk()?;
+        // The file has two checksums: one of all records up to here, one of the summary.
         let crc_of_data = mem::take(&mut self.crc).finalize();
         self.record(kind::DATA_END, &RecordContent::default().u32(crc_of_data).0)?;
         self.crc = Hasher::new();
@@ -242,6 +244,7 @@ impl<W: Write> McapWriter<W> {
         let offsets_at = self.written;
         offsets.iter().try_for_each(|content| self.record(kind::SUMMARY_OFFSET, content))?;
         // The checksum is of all from the summary on to the checksum itself.
+        // Its length counts two offsets and that checksum.
         let footer = RecordContent::default().u8(kind::FOOTER).u64(8 + 8 + 4).u64(summary_at).u64(offsets_at).0;
         self.put(&footer)?;
         let crc = mem::take(&mut self.crc).finalize();
@@ -258,6 +261,7 @@ impl<W: Write> McapWriter<W> {
             .u64(self.counts.values().sum())
             .u16(self.schemas.len() as u16)
             .u32(self.channels.len() as u32)
+            // There are no attachments.
             .u32(0)
             .u32(self.metadata_indices.len() as u32)
             .u32(self.chunk_indices.len() as u32)

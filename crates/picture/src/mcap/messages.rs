@@ -233,6 +233,7 @@ impl SceneEntity {
             timestamp: time.into(),
             frame_id,
             id,
+            // A lifetime of zero has no end.
             lifetime: Duration::default(),
             frame_locked: true,
             metadata: Vec::new(),

@@ -149,6 +149,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
             ("step_s", sampling.step_s().to_string()),
         ];
         file.metadata("wildfire", &about)?;
+        // A channel names its schema by number, so the schemas come first.
         let grid = file.schema(Grid::SCHEMA, &Grid::schema_text())?;
         let scene = file.schema(SceneUpdate::SCHEMA, &SceneUpdate::schema_text())?;
         let frame = file.schema(FrameTransform::SCHEMA, &FrameTransform::schema_text())?;
@@ -164,6 +165,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
         for &place in sampling.agents() {
             let id = setting.agents[place].id;
             let mut searches = BTreeMap::new();
+            // These are the first and the last phase, so the range has all searches of the agent.
             for &(_, phase) in searched.range((id, SearchPhase::Roadmap)..=(id, SearchPhase::Walk)) {
                 searches.insert(phase, file.channel(scene, &format!("/{id}/search/{phase}"))?);
             }
@@ -241,6 +243,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
     /// Writes where agents are, of those only that are elsewhere than when it was last written, or will be at the next
     /// sample: a viewer draws a straight line from one message to the next.
     fn write_sample(&mut self, time: SimTime, next: SimTime) -> Result<(), ExportError> {
+        // Collected first, as writing a message borrows the whole of `self`.
         let places: Vec<usize> = self.agents.keys().copied().collect();
         for place in places {
             let state = self.index.agent_at(place, time);
@@ -255,6 +258,7 @@ impl<'a, W: Write> SceneWriter<'a, W> {
             let frame = channels.frame;
             let channel = channels.state;
             self.message(frame, time, &FrameTransform::new(time, state.id.to_string(), state.pose))?;
+            // A field of the schema cannot be absent, so -1 stands for no goal.
             let goal = state.goal.map_or([-1; 2], |goal| [i32::from(goal.col), i32::from(goal.row)]);
             let message = AgentMessage {
                 x_m: state.pose.x,

@@ -117,6 +117,7 @@ fn draw_tile(canvas: &mut Canvas, camera: &SurfaceCamera, relief: &Relief, (row,
     canvas.fill_hard(&top, colour);
     let wide = top[1].0 - top[0].0;
     let long = top[3].1 - top[0].1;
+    // The outline of a small tile would cover its colour.
     if wide.min(long.abs()) > OUTLINED * FINER {
         canvas.outline_hard(&top, FINER / 2.0, blend(colour, INK, SHADE.0));
     }

@@ -183,6 +183,7 @@ impl GrownTerrain {
                     // Positive on the inner side.
                     let inward = side.perp_dot(from - centre - corner);
                     let rate = side.perp_dot(along);
+                    // Along this side the segment is inside of it everywhere or nowhere.
                     if rate.abs() < 1e-12 {
                         if inward <= 0.0 {
                             return false;

@@ -43,6 +43,7 @@ impl Rectangle {
         if low.is_nan() || high.is_nan() {
             return f64::NEG_INFINITY;
         }
+        // NaN is ruled out, and a plain comparison takes one instruction.
         [low.y, high.x, high.y].into_iter().fold(low.x, |min, gap| if gap < min { gap } else { min })
     }
 

@@ -29,6 +29,7 @@ struct Slot {
 const FIRST_CAPACITY: usize = 1 << 10;
 /// Odd, about 2^64 divided by the golden ratio: Knuth, "The Art of Computer Programming" 3, section 6.4.
 const FIBONACCI: u64 = 0x9e37_79b9_7f4a_7c15;
+// Two axes, the heading and a bit for the direction fill the 64 bits of a key.
 const AXIS_BITS: u32 = 24;
 const HEADING_BITS: u32 = 15;
 

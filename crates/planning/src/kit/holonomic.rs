@@ -286,6 +286,7 @@ impl HolonomicHeuristic {
                 self.costs[slot] != SHUT
             });
             let beside = (0..4).filter(|&k| is_open[k]).map(|k| from.moved(BESIDE[k]));
+            // The same moves as in `expand`, as a pocket is what the search could never enter.
             let corners = (0..4).filter(|&k| is_open[k] || is_open[(k + 1) % 4]).map(|k| from.moved_between(k));
             for to in beside.chain(corners) {
                 let slot = self.slot(field, to);

@@ -132,6 +132,7 @@ impl MilestoneTiles {
         };
         let block = CellBlock { rows: cells(row, self.frame.rows), cols: cells(col, self.frame.cols) };
         let first = milestones.count();
+        // A stream for the place, so that it does not matter which tiles were opened before.
         milestones.draw(block, rng::stream(self.key, &format!("tile/{col}/{row}")));
         let tile = (row * self.cols + col) as u32;
         let drawn = milestones.count() - first;

@@ -138,6 +138,7 @@ impl MotionPrice {
 
     /// Returns the price that decides between curves: this list without turns and places.
     pub fn curve_price(&self) -> CurvePrice {
+        // Curves are priced in metres, whatever the unit of this list is.
         CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
     }
 }

@@ -128,6 +128,7 @@ impl PathImprover {
     fn cut_at_random(&mut self, way: &mut ChangingPath, profile: &ClearanceProfile, tries: u32, rng: &mut impl Rng) {
         let patience = (PATIENCE * f64::from(tries)) as u32;
         let mut failures = 0;
+        // In turn, so that even a few tries are of all kinds.
         for kind in (0..tries).map(|number| number % 4) {
             let (from_m, to_m) = random_places(way, kind, rng);
             failures = if self.cut(way, profile, from_m, to_m) { 0 } else { failures + 1 };

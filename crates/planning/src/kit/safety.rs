@@ -132,6 +132,7 @@ impl Safety {
             SafetyMap::None => return None,
             SafetyMap::Brushfire => {
                 let values = brushfire(occupied, Connectivity::Eight)?;
+                // A bush has the value 1 and cells beside it 2: both count as beside.
                 let near = values.values().iter().map(|&value| 1.0 / f64::from(value - 1).max(1.0)).collect();
                 Grid::from_values(values.rows(), values.cols(), near)
             }

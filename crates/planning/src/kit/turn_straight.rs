@@ -261,6 +261,7 @@ impl TurnStraightSteering {
         let Some(exit) = free else { return };
         let last = path.segments[exit.index];
         path.segments.truncate(exit.index);
+        // Of a segment at whose beginning the exit is, nothing remains.
         if exit.travelled_m != 0.0 {
             path.segments.push(Segment { length_m: exit.travelled_m, ..last });
         }
@@ -278,6 +279,7 @@ impl TurnStraightSteering {
             let pieces = (segment.length_m.abs() / KNOT_M).ceil();
             for k in 0..pieces as u32 {
                 let travelled_m = segment.length_m * f64::from(k) / pieces;
+                // At a joint the truck came by the segment before, which decides about a cusp.
                 let (here, spent, came) = if k == 0 {
                     (pose, cost, before)
                 } else {

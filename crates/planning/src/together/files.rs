@@ -66,6 +66,7 @@ impl YamlNode {
                 Event::Scalar(word, ..) => Some(Self { line, content: NodeContent::Word(word.into_owned()) }),
                 Event::MappingEnd | Event::SequenceEnd => open.pop().map(|(value, _)| value),
                 Event::Alias(_) => return Err(fault(line, "aliases are not read here; expected plain values")),
+                // Beginnings and ends of streams and documents hold no value.
                 _ => None,
             };
             // Nested without end a small file would take all of the stack.
@@ -74,6 +75,7 @@ impl YamlNode {
             }
             if let Some(value) = done.take() {
                 match open.last_mut() {
+                    // The outermost value is complete, and what follows it is not read.
                     None => return Ok(value),
                     Some((Self { content: NodeContent::List(items), .. }, _)) => items.push(value),
                     Some((Self { content: NodeContent::Mapping(members), .. }, key)) => {
@@ -160,6 +162,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
         let pose = |key: &str| -> Result<Pose, FileFault> {
             let value = agent.member(key)?;
             let [x, y, yaw] = value.numbers(key, &ANY)?;
+            // Here, where the line of the file can still be named.
             if !(0.0..=width_m).contains(&x) || !(0.0..=height_m).contains(&y) {
                 return Err(value.unlike(key, "a place on the map"));
             }
@@ -168,6 +171,7 @@ pub fn read_instance(text: &str) -> Result<Instance, FileFault> {
         };
         let name = agent.member("name")?;
         let NodeContent::Word(word) = &name.content else { return Err(name.unlike("name", "a word")) };
+        // Solutions and messages hold the name as it is, so it must need no quotes.
         if word.is_empty()
             || word.len() > 60
             || !word.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-.".contains(letter))

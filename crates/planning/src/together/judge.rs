@@ -87,6 +87,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Schedul
     let mut routes = Vec::new();
     for vehicle in &instance.vehicles {
         let schedule = schedules.iter().find(|schedule| schedule.name == vehicle.name);
+        // A single pose is both the first and the last.
         let Some((schedule, [first, .., last] | [first @ last])) =
             schedule.map(|schedule| (schedule, schedule.poses.as_slice()))
         else {
@@ -116,6 +117,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Schedul
             }
         }
     }
+    // Whatever other vehicles did wrong, so that one check reports all that it can.
     for track in &tracks {
         faults.extend(off_map(instance, mode, track));
         let touched = instance.obstacles.iter().enumerate().filter_map(|(index, &centre)| {
@@ -133,6 +135,7 @@ pub fn check(instance: &Instance, mode: Mode, schedules: &[Schedule]) -> Schedul
             }
         }
     }
+    // A missing route leaves nothing to price.
     ScheduleCheck { faults, routes: (routes.len() == instance.vehicles.len()).then_some(routes) }
 }
 
@@ -178,6 +181,7 @@ impl JudgedStep {
         let half = 0.5 * WIDTH_M;
         let corners = [(FRONT_M, half), (-BACK_M, half), (-BACK_M, -half), (FRONT_M, -half)]
             .map(|(ahead, aside)| rear + along * ahead + left * aside);
+        // No corner moves farther than this, which bounds how fast gaps close in `first_touch`.
         let corner_m = match &motion {
             JudgedMotion::Line(shift) => shift.length(),
             JudgedMotion::Turn { centre, angle } => {
@@ -303,6 +307,7 @@ fn touches_obstacle(mode: Mode, track: &VehicleTrack, centre: DVec2) -> Option<(
 
 fn vehicles_touch(mode: Mode, one: &VehicleTrack, other: &VehicleTrack) -> Option<(f64, f64)> {
     let circles_m = ops::hypot(2.0 * FRONT_M, WIDTH_M);
+    // Who has arrived stands at its goal until the other has.
     (0..one.steps.len().max(other.steps.len())).find_map(|at| {
         let (a, b) = (one.step(at), other.step(at));
         let apart_m = (a.rear - b.rear).length();

@@ -95,10 +95,12 @@ impl<'a> StaticMap<'a> {
     pub fn allows(&self, motion: &Motion) -> bool {
         match self.mode {
             Mode::Benchmark => {
+                // The benchmark looks at poses at whole steps only.
                 let end = motion.step.end(motion.from);
                 let (sin, cos) = ops::sin_cos(end.heading);
                 self.is_on_map(end, 0.0)
                     && !self.instance.obstacles.iter().any(|&centre| {
+                        // In the vehicle's frame the benchmark grows the body by the radius, with square corners.
                         let (dx, dy) = (centre.x - end.x, centre.y - end.y);
                         let along = cos * dx + sin * dy;
                         let across = cos * dy - sin * dx;
@@ -117,6 +119,7 @@ impl<'a> StaticMap<'a> {
                     self.is_on_map(motion.step.pose_at(motion.from, share * motion.step.length_m), self.border_m)
                 });
                 let place = motion.place(Mode::Exact);
+                // Half of what two bodies need, as an obstacle stands still.
                 let reach_m = 0.5 * REACH_M + OBSTACLE_M;
                 is_inside
                     && !self.instance.obstacles.iter().any(|&centre| {

@@ -68,6 +68,7 @@ impl WalkLattice {
         let (rows, cols) = (self.rows(), self.cols());
         let cell_m = self.frame.cell_m;
         let span = |at: f64, cells: u16| CellSpan::from_metres(at - half, at + half, cell_m, cells);
+        // Spans depend on the column or the row alone, so there is one for each of them and not for each point.
         let across: Vec<CellSpan> = (0..cols).map(|col| span(self.position(col).x, self.frame.cols)).collect();
         let along: Vec<CellSpan> = (0..rows).map(|row| span(self.position(row * cols).y, self.frame.rows)).collect();
         for (row, &rows_covered) in self.free.chunks_exact_mut(cols.max(1)).zip(&along) {
@@ -85,6 +86,7 @@ impl WalkLattice {
                         continue;
                     }
                     let (next_row, next_col) = (next / cols, next % cols);
+                    // The box about both ends holds all that the step sweeps, and the corners that a diagonal cuts.
                     let box_is_free = occupied.is_free(
                         across[col.min(next_col)].to(across[col.max(next_col)]),
                         along[row.min(next_row)].to(along[row.max(next_row)]),

@@ -50,7 +50,9 @@ impl PotentialField {
             expansions += 1;
             let lowest = query.lattice.steps(here).map(|(_, next)| next);
             let lowest = lowest.min_by(|&a, &b| potential.at(a).total_cmp(&potential.at(b)));
+            // Strictly lower, or a plateau would be walked in circles.
             let Some(next) = lowest.filter(|&next| potential.at(next) < potential.at(here)) else {
+                // Before an escape, which shows the lines of its sweep itself.
                 observer.on_edges_examined(SearchPhase::Walk, &mut query.lines(&path));
                 if !self.settings.escapes {
                     return Walk { minimum: Some(here), ..Walk::straight(Some(path), expansions) };

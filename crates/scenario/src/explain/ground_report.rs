@@ -62,6 +62,7 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         let rest: usize = shares[SHOWN_FUELS..].iter().map(|share| share.cells).sum();
         listed.push(format!("{} others {} %", shares.len() - SHOWN_FUELS, percent(rest as f64 / cells)));
     }
+    // No fuel has the number 0, so the shares above leave such cells out.
     let empty = landscape.fuel.iter().filter(|&&number| number == 0).count();
     if empty > 0 {
         listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
@@ -223,6 +224,7 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
         return Vec::new();
     }
     let options = settings.options();
+    // From 9.95 on, one decimal would be rounded to three digits.
     let digits = |number: f64| if number < 9.95 { format!("{number:.1}") } else { format!("{number:.0}") };
     let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
     burning

@@ -26,6 +26,7 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
         warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let field = ScenarioField { terrain, clearance };
+        // A start that every run has to move is no error, but hardly what the author meant.
         let starts = blocked_starts(scenario, &field);
         if !starts.moved.is_empty() {
             found.push(format!("Starts in a bush, moved to the nearest free place: {}.", starts.moved.join(", ")));

@@ -54,6 +54,7 @@ impl CustomFuel {
         if let Some(&load) = self.loads_kg_m2.iter().find(|load| !(0.0..=24.0).contains(*load)) {
             return Err(OutOfRange::new("loads_kg_m2", load, "loads of 0 to 24 kg/m2".into()));
         }
+        // Thicker dead fuel has ratios that are the same in all models.
         let [dead, _, _, herb, woody] = self.loads_kg_m2;
         let without = [dead, herb, woody].into_iter().zip(self.savs_per_m);
         let wrong = without.filter(|&(load, _)| load > 0.0).find(|(_, sav)| !(170.0..=19_600.0).contains(sav));
@@ -102,9 +103,11 @@ impl Scenario {
             Ok(fuels) => fuels,
             Err(message) => {
                 top.refuse("fuel", message, "possible models, each with a number of its own".into())?;
+                // Never reached: `refuse` is always an error, but its type does not say so.
                 CustomFuels::default()
             }
         };
+        // Each with its table and key, at which a fuel that does not exist is reported.
         let mut named = Vec::new();
         if let Some(settings) = &self.fire.rothermel {
             for (key, fuel) in [("ground", settings.ground), ("bushes", settings.bushes)] {

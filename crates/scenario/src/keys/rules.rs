@@ -300,6 +300,7 @@ pub(crate) fn describe_ignitions(ignitions: &[Ignition]) -> String {
         }
     }
     let times = ignitions.iter().map(|ignition| ignition.at_s);
+    // Entries need not be in the order of their times.
     let first = times.clone().fold(f64::INFINITY, f64::min);
     let last = times.fold(0.0, f64::max);
     let count = ignitions.len();

@@ -573,6 +573,7 @@ fn warn_of_roadmaps(trucks: &[Unimog], field: &ScenarioField<'_>, found: &mut Ve
             truck: number as u16,
             seed: SHOWN_SEED,
             checker: &checker,
+            // `MAX_EDGES_TRIED` bounds the memory of roadmaps as well.
             memory: &MemoryMeter::unlimited(),
             // Only built-in planners come here, so neither the registry nor programs are asked.
             planners: &Planners::default(),

@@ -156,6 +156,7 @@ impl Water {
             });
             if !fits {
                 let WaterPlace { x_m, y_m } = place;
+                // Beyond `MAX_SEARCHED_M` nobody looked, and the sentence must not claim more.
                 found.push(format!(
                     "`water.place.{number}`: no truck finds room within {} m of ({x_m}, {y_m}).",
                     self.reach_m.min(MAX_SEARCHED_M)
@@ -174,6 +175,7 @@ fn has_room(checker: &CollisionChecker, body: &Dimensions, place: DVec2, reach_m
     let steps = reach_m.min(MAX_SEARCHED_M).floor() as i32;
     (0..HEADINGS).any(|turn| {
         let heading = std::f64::consts::TAU * f64::from(turn) / f64::from(HEADINGS);
+        // Poses are those of the rear axle, while the reach counts from the middle of the body.
         let offset = body.body_centre(Pose::new(0.0, 0.0, heading));
         (-steps..=steps).any(|east| {
             (-steps..=steps).any(|north| {

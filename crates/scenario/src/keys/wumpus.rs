@@ -280,6 +280,7 @@ impl AgentList for Vec<Wumpus> {
 
     fn check(&self, scenario: &Scenario) -> Check {
         let frame = scenario.field.frame();
+        // A piece is a tetromino, which has four cells.
         let bushes = 4.0 * f64::from(scenario.field.wanted_pieces());
         let mut tries = 0.0;
         for (number, wumpus) in self.iter().enumerate() {

@@ -49,6 +49,7 @@ impl AgentExpansion {
             for (number, mut entry) in entries.drain(..).enumerate() {
                 let count = match entry.as_table_mut().and_then(|entry| entry.remove("count")) {
                     None => 1,
+                    // `MAX_COPIES` as a literal, since a pattern cannot convert a constant.
                     Some(Value::Integer(count @ 0..=1000)) => count as usize,
                     Some(other) => {
                         let expected = format!("a whole number from 0 to {MAX_COPIES}");

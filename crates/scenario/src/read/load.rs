@@ -274,6 +274,7 @@ impl WrittenScenario<'_> {
             layers = Some(with_image);
         }
         let Some(layers) = layers else { return Ok(()) };
+        // The files decide on cells and sides, whatever the scenario says.
         let field = &mut scenario.field;
         field.cell_m = layers.frame.cell_m;
         // One number cannot say both sides; `raster_frame` has them.
@@ -313,6 +314,7 @@ impl WrittenScenario<'_> {
                 }
                 IgnitionCells::Points(points) => {
                     let path = list.join(PathStep::key("points_m"));
+                    // Points have the coordinates of the landscape's files, if it has any.
                     let corner = layers.map_or([0.0; 2], |layers| [layers.west_m, layers.south_m]);
                     let mut cells = Vec::with_capacity(points.len());
                     for &[x, y] in points.iter() {
@@ -327,6 +329,7 @@ impl WrittenScenario<'_> {
                         };
                         cells.push(cell);
                     }
+                    // From here on they are cells like those that a scenario names.
                     ignition.cells = IgnitionCells::Cells(cells);
                 }
                 IgnitionCells::Cells(_) | IgnitionCells::Random(_) => {}
@@ -414,6 +417,7 @@ impl WrittenScenario<'_> {
             let path = of_list.clone().unwrap_or_else(|| entry.clone());
             let rasters = wind.rasters().map_err(|message| self.rule(&path, format!("`{entry}`: {message}")))?;
             let Some(rasters) = rasters else {
+                // NaN stands for a number that the entry does not give, and without rasters both are needed.
                 let absent = [("speed_mps", wind.speed_mps), ("toward_deg", wind.toward_deg)];
                 if let Some((name, _)) = absent.into_iter().find(|(_, number)| number.is_nan()) {
                     let fault = Fault::MissingField { name: name.into(), table: entry.to_string() };
@@ -421,6 +425,7 @@ impl WrittenScenario<'_> {
                 }
                 continue;
             };
+            // Winds of a list are exempt: they have zeros until their rasters are read.
             if !(wind.speed_mps.is_nan() && wind.toward_deg.is_nan()) && of_list.is_none() {
                 let message = format!("`{entry}` has rasters; expected no `speed_mps` and no `toward_deg` beside them");
                 return Err(self.rule(&path, message));

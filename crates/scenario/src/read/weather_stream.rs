@@ -334,10 +334,12 @@ impl<'a> StreamFormat<'a> {
         let mut notes = Vec::new();
         let header = text.lines().enumerate().take_while(|(_, line)| !is_row(line));
         for (index, line) in header.clone() {
+            // A line without a colon may be the bare name of the units.
             let (key, value) = line.split_once(':').unwrap_or(("RAWS_UNITS", line));
             match [key, value].map(|word| word.trim().to_ascii_lowercase()).each_ref().map(String::as_str) {
                 ["raws_units", "english"] => is_metric = Some(false),
                 ["raws_units", "metric"] => is_metric = Some(true),
+                // Without a colon, it may as well be the names of the columns.
                 ["raws_units", _] if line.contains(':') => {
                     let name = path.display();
                     return Err(format!("{name}: line {}: expected the units English or Metric", index + 1));
@@ -413,6 +415,7 @@ impl<'a> StreamFormat<'a> {
     fn read_rows(&self, start_s: f64, duration_s: f64, dead: DeadMoisture) -> Result<Vec<StreamRow<'a>>, String> {
         let history = if dead == DeadMoisture::Nelson { STICK_HISTORY } else { 1 };
         let table = &self.table;
+        // In `.wxs` the time of day follows year, month and day.
         let time_column = if let TimeFormat::Iso { column, .. } = self.time { column } else { 3 };
         let mut rows: VecDeque<StreamRow<'_>> = VecDeque::new();
         let mut first: Option<(RowTime, &str)> = None;
@@ -722,6 +725,7 @@ impl<'a> WeatherStream<'a> {
             if !is_hourly {
                 return Err(format!("{name}: line {line}: expected an hour after the previous row, for sticks"));
             }
+            // Measured radiation is better than what clouds let through by estimate.
             let solar_w_m2 = if format.has(StreamQuantity::Solar) {
                 format.number(&row.row, StreamQuantity::Solar)?
             } else {

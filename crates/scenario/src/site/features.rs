@@ -290,6 +290,7 @@ impl River {
         let width = f64::from(across) * frame.cell_m;
         let middle = |along: f64| {
             let turn = TAU * along / length;
+            // The shares add up to 1, so that no bend goes beyond `swing_m`.
             let swing = 0.7 * ops::sin(1.3 * turn + phases[0]) + 0.3 * ops::sin(3.1 * turn + phases[1]);
             (self.at + aside) * width + self.swing_m * swing
         };
@@ -297,6 +298,7 @@ impl River {
         for step in 0..steps {
             let [from, to] = [0.0, 1.0].map(|end| middle((f64::from(step) + end) * frame.cell_m));
             let slant = (to - from) / frame.cell_m;
+            // Across a slanting course the width takes more cells along this axis.
             let half = 0.5 * self.width_m * (1.0 + slant * slant).sqrt();
             // The whole stretch between the two ends, and half the width beyond the middle of it.
             let low = from.min(to).min(0.5 * (from + to) - half);
@@ -304,6 +306,7 @@ impl River {
             let bound = |m: f64| (m / frame.cell_m).floor();
             let first = bound(low).max(0.0);
             let last = bound(high).min(f64::from(across) - 1.0);
+            // In floats: where the course leaves the field, `last` may be below zero.
             let mut place = first;
             while place <= last {
                 cells.push(frame.index(self.cell(step, place as u16)));

@@ -66,6 +66,7 @@ pub fn read_fuels(path: &Path) -> Result<Vec<FuelModel>, String> {
                 };
                 if let Some(model) = model.and_then(custom_only).map_err(|sentence| format!("{at}: {sentence}"))? {
                     let twice = models.iter().any(|other| other.number == model.number);
+                    // Checked one by one, so that an error names its line.
                     CustomFuels::new(vec![model.clone()]).map_err(|sentence| format!("{at}: {sentence}"))?;
                     if twice {
                         return Err(format!("{at}: its number is that of a model before"));
@@ -163,6 +164,7 @@ fn row(cells: &[&str], names: [&str; 2], cures: bool, places: [usize; 6], units:
     for (place, of_class) in loads.iter_mut().enumerate() {
         *of_class = number(cells, load + place)? * of_loads;
     }
+    // Files give ratios of 1-hour, herbaceous and woody fuel; those of thicker dead fuel are constants of all models.
     let mut savs = [0.0, SAV_10H, SAV_100H, 0.0, 0.0];
     for (place, class) in [0, 3, 4].into_iter().enumerate() {
         savs[class] = number(cells, ratio + place)? * of_ratios;
@@ -175,6 +177,7 @@ fn row(cells: &[&str], names: [&str; 2], cures: bool, places: [usize; 6], units:
         loads,
         savs,
         depth_ft: number(cells, depth)? * of_depths,
+        // Percent in files, a fraction in models.
         dead_extinction: number(cells, extinction)? / 100.0,
         heat_btu_lb: number(cells, heat)? * of_heats,
         live_heat_btu_lb: number(cells, live_heat)? * of_heats,

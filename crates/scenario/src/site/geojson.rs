@@ -207,6 +207,7 @@ impl Shapes {
             _ if !could_be => return Err(MapFault::Coordinate),
             _ => {}
         }
+        // An equirectangular projection about the middle: true there, and good enough on fields of a few kilometres.
         let middle = 0.5 * (low + high);
         let scale = EARTH_RADIUS_M * DVec2::new(ops::cos(middle.y.to_radians()), 1.0);
         self.points.iter_mut().for_each(|point| {
@@ -255,17 +256,20 @@ impl Shapes {
             return Err(format!("{NO_POLYGON}; expected a Polygon or a MultiPolygon"));
         }
         let system = self.check_system(layers)?;
+        // What lies inside a ring that crosses itself is a matter of convention.
         if let Some(at) = self.first_crossing() {
             return Err(format!("a ring crosses itself at ({}, {}); expected rings that do not", at.x, at.y));
         }
         let (low, high) = self.bounds();
         let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
+        // `fill` counts in cells from the south-west corner of the field.
         self.points.iter_mut().for_each(|point| *point = (*point - corner) / frame.cell_m);
         let mut inside = Grid::filled(frame.rows.into(), frame.cols.into(), false);
         self.fill(&mut inside).map_err(|fault| fault.to_string())?;
         if inside.values().contains(&true) {
             return Ok(inside.values().iter().map(|&is_inside| u8::from(is_inside)).collect());
         }
+        // The usual cause is another coordinate system, which the two rectangles show.
         Err(format!(
             "its polygons reach from ({}, {}) to ({}, {}), expected the middle of a cell inside, in the field of {} x {} m from \
              ({}, {}) on, in {system}",
@@ -382,6 +386,7 @@ fn side(a: DVec2, b: DVec2, point: DVec2) -> f64 {
 fn crossed_by(frame: &FieldFrame, [a, b]: [DVec2; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
     let [cols, rows] = [frame.cols, frame.rows].map(f64::from);
     let (a, b) = if a.y <= b.y { (a, b) } else { (b, a) };
+    // The ends exactly, without rounding, and without dividing by zero on level pieces.
     let x_at = move |y: f64| match y {
         y if y <= a.y => a.x,
         y if y >= b.y => b.x,
@@ -580,6 +585,7 @@ impl<'de> Visitor<'de> for Nest<'_> {
             }
             inner = inner.or(level);
         }
+        // An empty list fits any depth.
         let Some(inner) = inner else { return Ok(Nested::List(None)) };
         match inner + 1 {
             POINT if count < 2 => return Err(A::Error::custom("a point has two coordinates, or three")),

@@ -128,6 +128,7 @@ impl LandscapeSettings {
                 expected,
             );
         }
+        // A resolved scenario holds its layers packed, and may have been edited.
         if self.imported.as_ref().is_some_and(|imported| !imported.is_sound(fuels)) {
             return table.refuse("given", "damaged".into(), "layers that can be unpacked and fit the field".into());
         }

@@ -616,6 +616,7 @@ impl LayerKind {
                 let height = heights.value(row, col);
                 if heights.is_nodata(height) { f64::NAN } else { height.into() }
             };
+            // Horn (1981): differences in the middle count twice as much as those at the sides.
             let rise_by = |ahead: [f64; 3], behind: [f64; 3]| {
                 (ahead[0] - behind[0] + 2.0 * (ahead[1] - behind[1]) + ahead[2] - behind[2]) / (8.0 * heights.cell_m)
             };
@@ -636,8 +637,10 @@ impl LayerKind {
                 && expected > MIN_DEG
                 && (0.0..=360.0).contains(&found)
             {
+                // The difference of two angles, folded to 0 to 180 degrees.
                 let apart = |angle: f64| ((f64::from(found) - angle + 540.0).rem_euclid(360.0) - 180.0).abs();
                 count += 1.0;
+                // Downhill as an azimuth, and the same direction against the clock from east.
                 azimuth += apart(ops::atan2(-east, -north).to_degrees());
                 turned += apart(ops::atan2(-north, -east).to_degrees());
             }
@@ -661,6 +664,7 @@ impl LayerKind {
             }
         }
         let of_aspects = aspects.map_or(0, |(number, _)| number);
+        // Close to the one convention and far from the other, as neither noise nor data of another place would be.
         (count > 0.0 && turned < 15.0 * count && azimuth > 30.0 * count).then(|| {
             format!(
                 "by the elevations of band {of_heights} the aspects of band {of_aspects} count from east against the clock, \
@@ -863,6 +867,7 @@ impl PackedLayer {
 
     fn from_numbers(numbers: &[f32]) -> Self {
         let mut before = 0;
+        // Neighbours are alike, so that their differences have equal leading bytes.
         let differences: Vec<[u8; 4]> = numbers
             .iter()
             .map(|number| {
@@ -872,6 +877,7 @@ impl PackedLayer {
                 difference.to_be_bytes()
             })
             .collect();
+        // Bytes of one place side by side: equal ones in a row pack better.
         let bytes: Vec<u8> = (0..4).flat_map(|place| differences.iter().map(move |bytes| bytes[place])).collect();
         Self::from_bytes(&bytes)
     }

@@ -140,6 +140,7 @@ fn joined_along_sides(terrain: &Terrain) -> Vec<u32> {
         }
         count += 1;
     }
+    // Every bush has a number by now, so that none is dropped.
     pieces.into_iter().flatten().collect()
 }
 
@@ -200,6 +201,7 @@ impl PieceLayout {
     }
 
     fn draw_placement(&self, rotations: &'static [Piece], rng: &mut impl Rng) -> Option<(&'static Piece, Cell)> {
+        // Guessing is quick while the field is open. Both ways draw all legal placements with the same chance.
         for _ in 0..self.frame.cell_count() {
             let rotation = &rotations[rng.random_range(0..rotations.len() as u32) as usize];
             let corner = Cell { col: rng.random_range(0..self.frame.cols), row: rng.random_range(0..self.frame.rows) };

@@ -233,6 +233,7 @@ fn table(winds: &[WindChange], moistures: &[(f64, FuelMoisture)]) -> Weather {
     let at = |second: f64| SimTime::from_seconds(second);
     let mut times: Vec<SimTime> =
         winds.iter().map(|wind| at(wind.at_s)).chain(moistures.iter().map(|it| at(it.0))).collect();
+    // A run begins at 0 s, whether or not anything changes then.
     times.push(SimTime::ZERO);
     times.sort_unstable();
     times.dedup();

@@ -85,6 +85,7 @@ pub(crate) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
                 d1: table.number(row, d1, 0.0, 1.0)?,
                 d10: table.number(row, d10, 0.0, 1.0)?,
                 d100: table.number(row, d100, 0.0, 1.0)?,
+                // Living fuel may hold several times its dry weight in water.
                 herb: table.number(row, herb, 0.0, 5.0)?,
                 woody: table.number(row, woody, 0.0, 5.0)?,
             }),
@@ -94,6 +95,7 @@ pub(crate) fn read_samples(path: &Path) -> Result<Vec<WeatherSample>, String> {
     let mut samples = Vec::new();
     for row in table.rows() {
         samples.push(sample(&row?)?);
+        // Refused at the first row too many, and not after the last one.
         table.check_count(samples.len())?;
     }
     Ok(samples)
@@ -146,6 +148,7 @@ impl<'a> CsvTable<'a> {
         text: &'a str,
         skipped: usize,
     ) -> Result<Self, String> {
+        // Line ends are kept, so that lengths of lines add up to a place in the text.
         let body = text.split_inclusive('\n').skip(skipped).map(str::len).sum::<usize>();
         let body = &text[text.len() - body..];
         let name = path.display().to_string();

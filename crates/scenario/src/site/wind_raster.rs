@@ -110,12 +110,14 @@ impl WindRasters<'_> {
             })
             .collect();
         let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
+        // Without a layer of fuel, every cell is taken to burn.
         let fuel = layers.map(|layers| layers.fuel_or(1));
         let mut by_cell = Vec::with_capacity(frame.cell_count());
         for index in 0..frame.cell_count() {
             let at = corner + frame.centre(frame.cell(index));
             // In cells of the raster, from the middle of its first one.
             let place = (at - DVec2::new(first.west_m, first.south_m)) / first.cell_m - DVec2::splat(0.5);
+            // The outermost cells of the field may miss the raster by rounding.
             let is_inside =
                 |place: f64, count: usize| (-0.5 - ROUNDING..=count as f64 - 0.5 + ROUNDING).contains(&place);
             if !(is_inside(place.x, first.cols) && is_inside(place.y, first.rows)) {
@@ -180,6 +182,7 @@ impl WindRasters<'_> {
         let stated = band.unit.as_deref().map(str::trim).filter(|unit| !unit.is_empty());
         let scale = match (quantity, stated) {
             (Quantity::Direction, _) => 1.0,
+            // A file may state its unit, but never the height above ground, which the scenario's units imply.
             (Quantity::Speed, None) => self.units.scale() * self.units.height_factor(),
             (Quantity::Speed, Some(unit)) => {
                 let scale = speed_scale(unit).ok_or_else(|| {
@@ -189,12 +192,15 @@ impl WindRasters<'_> {
                 scale * self.units.height_factor()
             }
         };
+        // Components have signs, speeds do not.
         let min = if self.kind == WindRasterKind::EastNorth { -MAX_WIND_MPS } else { 0.0 };
+        // In the order of the file, so that the error names its first fault.
         for row in 0..raster.rows {
             for col in 0..raster.cols {
                 let index = raster.file_row(row) * raster.cols + col;
                 let value = raster.values[index];
                 if raster.is_nodata(value) {
+                    // From here on NaN alone is no data: a converted value may equal the file's number for it.
                     raster.values[index] = f32::NAN;
                     continue;
                 }
@@ -261,6 +267,7 @@ fn bilinear(winds: &[Option<DVec2>], [cols, rows]: [usize; 2], place: DVec2) -> 
     let row = y as usize;
     let [beyond_x, beyond_y] = [x - col as f64, y - row as f64];
     let mut sum = DVec2::ZERO;
+    // Cells without wind leave their weight to the others.
     let mut weights = 0.0;
     for (near_row, of_row) in [(row, 1.0 - beyond_y), ((row + 1).min(rows - 1), beyond_y)] {
         for (near_col, of_col) in [(col, 1.0 - beyond_x), ((col + 1).min(cols - 1), beyond_x)] {
@@ -293,6 +300,7 @@ pub(crate) fn read_list(path: &Path, text: &str, end_s: f64) -> Result<Vec<WindC
     let mut start = None;
     let mut changes: Vec<WindChange> = Vec::new();
     let lines = text.lines().zip(1_usize..).map(|(line, number)| (line.trim(), number));
+    // The first line is the heading by which the list was recognised.
     for (line, number) in lines.filter(|(line, _)| !line.is_empty()).skip(1) {
         let refused = |expected: &str| {
             Err(format!("{name}: line {number}: found `{}`, expected {expected}", visible_start(line)))
@@ -329,6 +337,7 @@ pub(crate) fn read_list(path: &Path, text: &str, end_s: f64) -> Result<Vec<WindC
         if at_s > end_s {
             break;
         }
+        // Zeros until the rasters are read, which say what the wind is.
         changes.push(WindChange {
             speed: Some(folder.join(speed)),
             from: Some(folder.join(from)),

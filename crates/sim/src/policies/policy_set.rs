@@ -284,6 +284,7 @@ impl PolicySet {
         self.custom_stats.add_cpu(stopwatch.elapsed_since_last(), report.elsewhere);
         if let Err(message) = check_line(&points, seen.fires.frame()) {
             points.clear();
+            // What the policy reports itself says more than that its points are no line.
             report.failure = report.failure.or(Some((PlanFailure::BadAnswer, message)));
         }
         if let Some(name) = custom_name {
@@ -347,7 +348,9 @@ impl PolicySet {
             for &(id, choice) in &choices {
                 let Some(&agent) = agents.iter().find(|agent| agent.id == id) else { continue };
                 let options = by_name.list(id);
+                // An agent with a goal that is not sent elsewhere decides nothing new.
                 let goes_on = agent.goal.is_some_and(|goal| !matches!(choice, Action::Go(cell) if cell != goal));
+                // Of several questions at one instant the first counts.
                 let mut at_once = decisions.iter().rev().take_while(|decision| decision.time == now);
                 if options.len() > 1 && !goes_on && !at_once.any(|decision| decision.agent.id == id) {
                     decisions.push(Decision { time: now, agent, options, choice });
@@ -407,6 +410,7 @@ fn refuse_illegal(
 ) -> Option<String> {
     let mut message = None;
     for (agent, choice) in choices {
+        // The caller drops answers for agents that have no question.
         let Some(view) = agents.iter().find(|view| view.id == *agent && options.entity(*agent).is_some()) else {
             continue;
         };
@@ -421,6 +425,7 @@ fn refuse_illegal(
             _ => continue,
         };
         *choice = Action::Wait;
+        // One message is enough: the tally counts answers and not choices.
         message.get_or_insert_with(|| format!("{agent} cannot {refused}"));
     }
     message

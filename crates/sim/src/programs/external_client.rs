@@ -130,6 +130,7 @@ impl ExternalClient {
         let starting = started.unwrap_or_default();
         let mut session = match running {
             Ok(session) => session,
+            // The failed start has taken time too, which counts for this query.
             Err(error) => return Reply { answer: Err(error), cpu: started, starting, instructions: None },
         };
         session.queries += 1;
@@ -157,8 +158,10 @@ impl ExternalClient {
         if answer.is_err() {
             session.peer.kill();
         }
+        // After the kill, so that all it has taken counts.
         let cpu = session.elapsed_since_last().map(|elapsed_since_last| elapsed_since_last + starting);
         let instructions = session.peer.take_instructions();
+        // Otherwise the next query starts the program again.
         if answer.is_ok() {
             self.session = Some(session);
         }

@@ -62,6 +62,7 @@ impl TruckPlanner for ProgramPlanner {
             local_expansions: counted.or(reported).unwrap_or(0).max(min),
             ..Effort::default()
         };
+        // Nor does the CPU time that a module reports.
         let reported_s = |cpu_s: Option<f64>| cpu_s.filter(|_| instructions.is_none());
         match answer {
             Ok(FromProgram::Path(answer)) => {

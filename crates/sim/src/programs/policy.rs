@@ -59,6 +59,7 @@ impl Policy for ProgramPolicy {
         self.report.illegal = stranger.map(|choice| format!("the run has no agent `{}`", visible_start(&choice.agent)));
         let selected = |agent: AgentId| {
             let name = agent.to_string();
+            // Of several choices for an agent the last counts.
             let cell = choices.iter().rev().find(|choice| choice.agent == name).and_then(|choice| choice.cell);
             (agent, cell.map_or(Action::Wait, |[col, row]| Action::Go(Cell { col, row })))
         };

@@ -103,6 +103,7 @@ impl ProgramPool {
             let stream = name.name().to_owned();
             let bodies = Arc::clone(&bodies);
             let make = move |site: &PolicyContext<'_>| -> Result<Box<dyn Policy>, MakeError> {
+                // A module that cannot be read is an error only of runs that need it.
                 let (launch, idle) = launch.clone().map_err(MakeError::new)?;
                 // Cut to what numbers of JSON hold exactly.
                 let seed = (site.stream)(&stream).next_u64() >> (u64::BITS - SEED_BITS);
@@ -247,6 +248,7 @@ fn limits(limits: &SpeedLimits) -> LimitsMessage {
 
 /// Returns what starts the program of a table, and what it may take.
 fn launch(name: &PlannerName, table: &Program) -> Launch {
+    // A process cannot be started in a folder of an empty name.
     let folder = if table.works_in.as_os_str().is_empty() { Path::new(".") } else { &table.works_in };
     Launch {
         name: table.label.clone().unwrap_or_else(|| name.to_string()),

@@ -99,6 +99,7 @@ impl Process {
             has_closed_output: false,
             received: Vec::new(),
             searched: 0,
+            // As much as a pipe holds on Linux, so that one read empties it.
             scratch: vec![0; 1 << 16].into(),
             clock: None,
             fate: ExitReport::default(),
@@ -151,6 +152,7 @@ impl Process {
                 let problem = format!("it is longer than {MAX_MESSAGE_BYTES} bytes");
                 return Err(ProcessError::bad_answer(&self.received, &problem));
             }
+            // Only now: a line that is here counts, even at the limit.
             let elapsed = watch.elapsed();
             let mut wait = allowance.wall.saturating_sub(elapsed);
             if wait.is_zero() {
@@ -274,6 +276,7 @@ impl Process {
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(_) => self.fate.is_gone = true,
             }
+            // A report that is half received waits for its rest.
             let Some(end) = self.reports.iter().rposition(|&byte| byte == b'\n') else { continue };
             let lines: Vec<u8> = self.reports.drain(..=end).collect();
             let reports = lines.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice(line).ok());

@@ -80,6 +80,7 @@ impl ProcessTree {
     pub fn memory_bytes(&self, limit: u64) -> u64 {
         let all = || self.others().chain([self.leader]);
         let resident: u64 = all().map(|pid| self.resident_bytes(pid)).sum();
+        // Resident memory first, as the shares of pages take the system far longer to add up.
         if resident <= limit || self.others.is_empty() {
             return resident;
         }

@@ -415,9 +415,11 @@ impl FromProgram {
             MessageType::Error => read(text).map(Self::Error),
             MessageType::Path => {
                 let path: PathAnswer = read(text)?;
+                // serde has no way to say that exactly one of two members is required.
                 match (&path.segments, &path.poses) {
                     (None, None) => Err("a path has `segments` or `poses`".to_owned()),
                     (Some(_), Some(_)) => Err("a path has either `segments` or `poses`, not both".to_owned()),
+                    // Segments are left to the gate, but poses become curves before it sees them.
                     _ => check_cpu(path.cpu_s)
                         .and_then(|()| check_poses(path.poses.as_deref()))
                         .map(|()| Self::Path(path)),
@@ -523,6 +525,7 @@ pub fn question(
         pose: [agent.pose.x, agent.pose.y, agent.pose.heading],
         activity: agent.activity.name().to_owned(),
         goal: agent.goal.as_ref().map(pair),
+        // Only those that have to decide now have options.
         options: options
             .iter()
             .find(|(queried, _)| *queried == agent.id)

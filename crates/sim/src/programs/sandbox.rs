@@ -46,16 +46,19 @@ pub fn sandboxed(folder: &Path, command: &[OsString]) -> Vec<OsString> {
 fn walls(folder: &Path, program: &Path) -> Vec<OsString> {
     let mut walls: Vec<OsString> =
         ["--unshare-all", "--die-with-parent", "--new-session", "--clearenv"].map(Into::into).into();
+    // Only what leads to interpreters is passed on: other variables may hold secrets.
     let variables = ["PATH", "VIRTUAL_ENV"].map(|name| (name, env::var_os(name)));
     for (name, value) in variables.into_iter().chain([("HOME", Some("/".into())), ("LANG", Some("C.UTF-8".into()))]) {
         walls.extend(value.into_iter().flat_map(|value| ["--setenv".into(), name.into(), value]));
     }
+    // A prefix that holds the folder would show all that lies beside it.
     let installed = installation_of(program).into_iter().filter(|prefix| !folder.starts_with(prefix));
     for visible in SYSTEM.map(PathBuf::from).into_iter().chain(installed) {
         walls.extend(["--ro-bind-try".into(), visible.clone().into(), visible.into()]);
     }
     // The folder last: it may lie below one of the others.
     walls.extend(["--ro-bind".into(), folder.into(), folder.into(), "--chdir".into(), folder.into()]);
+    // Read-only last, when all is mounted.
     walls.extend(["--proc", "/proc", "--dev", "/dev", "--remount-ro", "/dev", "--remount-ro", "/"].map(Into::into));
     walls
 }

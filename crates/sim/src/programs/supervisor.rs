@@ -193,9 +193,11 @@ impl<'a> SupervisorTask<'a> {
 }
 
 fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
+    // Stderr is the socket that `Process::start` has put there.
     let control = UnixStream::from(io::stderr().as_fd().try_clone_to_owned()?);
     // Refuses a stderr that is no socket, as when somebody types the word by hand.
     control.peer_addr()?;
+    // One loop waits for orders, ends of children and reports, so none of them may block.
     control.set_nonblocking(true)?;
     let outbox = Arc::new(SendBuffer::new(control.try_clone()?));
     inherit_limits(task.limits.memory_mb);
@@ -207,6 +209,7 @@ fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
     let mut command = Command::new(task.program);
     // A process group of its own, so that its children end with it; without the mark it may start supervisors itself.
     command.args(task.arguments).current_dir(task.folder).env_remove(MARK).process_group(0);
+    // Stdin and stdout are pipes from the process that started this one.
     let spawned = command.stdin(Stdio::inherit()).stdout(Stdio::inherit()).stderr(Stdio::piped()).spawn();
     let mut child = match spawned {
         Ok(child) => child,
@@ -214,6 +217,7 @@ fn supervise(task: &SupervisorTask<'_>) -> io::Result<()> {
             let program = task.program.to_string_lossy();
             let folder = task.folder.display();
             outbox.send(&Report::NotStarted { reason: format!("{program}, in {folder}: {error}") });
+            // The report is the answer: an exit code would say that the supervisor itself has failed.
             outbox.empty();
             return Ok(());
         }
@@ -343,6 +347,7 @@ fn hand_on(stderr: ChildStderr, outbox: &SendBuffer, counter: &Mutex<u64>) {
             waiting = outbox.flush();
         }
     }
+    // Only at the end is it clear which line was the last.
     if let Some(line) = last {
         outbox.send(&Report::LastStderr { line });
     }
@@ -433,6 +438,7 @@ impl ProcessWatch {
                 Ok(WaitStatus::StillAlive) => break true,
                 Ok(status) => status,
                 Err(Errno::EINTR) => continue,
+                // No children are left (`ECHILD`).
                 Err(_) => break false,
             };
             has_reaped = true;
@@ -444,9 +450,11 @@ impl ProcessWatch {
                 _ => {}
             }
         };
+        // After they are buried, as the system counts only children that were waited for.
         if has_reaped {
             self.outbox.send(&Report::Reaped { cpu_us: cpu_of_the_ended_us() });
         }
+        // After `Reaped`, so that the CPU time is complete when the end is reported.
         if let Some(how) = ending {
             self.outbox.send(&Report::Ended { how });
             // Without the program nobody reads its children's work.
@@ -463,6 +471,7 @@ impl ProcessWatch {
         if self.killing.is_some() {
             return;
         }
+        // The program itself is not among the others.
         let processes = 1 + self.family.others().count();
         let exceeded = if processes > self.limits.processes {
             Some(Exceeded::Processes(processes))
@@ -503,12 +512,14 @@ impl ProcessWatch {
             let line: Vec<u8> = self.orders.drain(..=end).collect();
             // A command that cannot be understood ends the program, which is the safe side.
             match serde_json::from_slice(&line) {
+                // `until_all_are_gone` kills the program once `GRACE` has passed since.
                 Ok(SupervisorCommand::End) => self.ending = Some(WallStopwatch::start()),
                 Ok(SupervisorCommand::NextRun) => *self.stderr_lines.lock().unwrap_or_else(PoisonError::into_inner) = 0,
                 Ok(SupervisorCommand::Kill) | Err(_) => self.kill_group(),
             }
         }
         if is_closed {
+            // A closed socket is readable all the time, so it must not be polled any more.
             self.control = None;
             // The simulation is gone, perhaps killed: its programs must not live on.
             if self.ending.is_none() {

@@ -225,6 +225,7 @@ impl Fleet<'_, '_> {
         let reservations = self.reservations();
         let (mut agent, mut truck) = self.trucks.one_mut(entity);
         let (agent, truck) = (&mut *agent, &mut *truck);
+        // Taken out while the truck plans, which borrows all of it, and put back below.
         let mut state = truck.deliberation.take()?;
         let traffic = Traffic::new(&reservations, entity);
         let pose = agent.trajectory.start();
@@ -383,6 +384,7 @@ impl Fleet<'_, '_> {
                 self.queue.push_for(now, AgentEvent::Deadlock, agent.wake(entity));
             }
         }
+        // Looked up again, as setting out changes the activity.
         let (agent, _) = self.trucks.one(entity);
         Some(ActivityTransition { has_new_plans, was: state.activity, is: agent.activity })
     }

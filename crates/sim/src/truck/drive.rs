@@ -225,6 +225,7 @@ fn finish_query(
             cost.local_search += time.local;
         }
     }
+    // Failed plans too, as their effort is charged with the failure.
     *spent += plan.effort;
     recorder.record_searches(now, cost.agent, searches);
     match plan.path {

@@ -261,6 +261,7 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
         let cell = agent.goal.expect("a truck drives to a goal");
         let mut water_units = 1;
         if let (Some(needs), Some(left)) = (&fleet.needs, agent.stops_left) {
+            // Planned with what burns now: what catches fire during the stop gets no water.
             let stop = FireStop::new(&agent, &truck, cell);
             let mut others: Vec<Cell> = stop.others(field).collect();
             let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();

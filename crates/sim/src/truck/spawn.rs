@@ -74,6 +74,7 @@ pub fn spawn(
         body: settings.vehicle,
         speed: settings.speed_limits(),
         ground,
+        // Without a rule of distance every place is in reach.
         reach_m: suppression.reach_m.unwrap_or(f64::INFINITY),
         dwell: SimTime::from_seconds(suppression.dwell_s),
         extinguishes_all: suppression.extinguishes == Extinguishes::AllInReach,
@@ -81,6 +82,7 @@ pub fn spawn(
         charge: settings.planning_charge(&arena.scenario.planner),
         planner: Shared::new(planner),
         is_rescued: settings.is_rescued(),
+        // From the start, as a truck never leaves the component of free space that it begins in.
         reachability: Shared::new(Reachability::new(&checker, arena.memory, start)),
         failed_goals: Vec::new(),
         out_of_reach: Vec::new(),
@@ -95,6 +97,7 @@ pub fn spawn(
     };
     let following = world.resource::<PolicySet>();
     let follows = following.policy_of(id);
+    // What wakes a truck depends on whether its policy decides for the whole team.
     let woken_by = WakeTriggers::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.busy_until = SimTime::from_seconds(settings.ready_s);

@@ -138,17 +138,22 @@ impl Fleet<'_, '_> {
         let agents = trucks.chain(resources.others.iter().map(|agent| agent.view(now))).collect();
         let inquiry = PolicyQuery { now, fires, agents, queried: called.queried.clone() };
         let all = called.entities();
+        // Here and not in `ask`, which leaves out the time of teams.
         let mut stopwatch = CpuStopwatch::start();
         let choices = resources.following.ask(policy, inquiry, &|entity| self.options(entity, &all, fires));
         resources.following.team_cpu += stopwatch.elapsed_since_last();
+        // After the answer, whose effort it charges.
         let delay = resources.following.charge(policy);
+        // All stay called, so that the same trucks are in the query once the answer has come.
         if choices.is_empty() {
             return Vec::new();
         }
         for &entity in &all {
             let (mut agent, mut truck) = self.trucks.one_mut(entity);
+            // The call is answered, whatever the choice is.
             agent.is_called = false;
             if let Some(state) = &mut truck.deliberation {
+                // Whoever sets out by this decision waits for as long as the team has planned.
                 state.delay = delay;
             }
         }
@@ -260,6 +265,7 @@ impl Fleet<'_, '_> {
             // Bushes stay where they are: what fails from here fails here again.
             Err((reason, effort)) => (Some(reason), effort, now + truck.charge(&effort), SimTime::MAX),
         };
+        // Noted by pose and place, so that later decisions do not plan it again.
         truck.closed_posts.push(UnreachableStaging { from: pose, to: place, until: tried_again });
         let (x_m, y_m) = (place.x, place.y);
         let failed = AgentFact::RelocationFailed { x_m, y_m, reason, effort, until };

@@ -75,6 +75,7 @@ impl Fleet<'_, '_> {
         let open = places.iter().filter(|&&place| truck.closed_until(pose, place, now).is_none());
         for place in open.take(PLACES_TRIED).copied().collect::<Vec<_>>() {
             match self.drive_to(entity, GoalDisc { centre: place, radius_m }, fires) {
+                // No path, or others are in the way: the next place is tried.
                 DecisionOutcome::Stays(_) => {}
                 conclusion => return conclusion,
             }

@@ -78,6 +78,7 @@ fn write_samples<W: Write>(arrays: &mut ArrayFile<W>, timeline: &Timeline, sampl
     arrays.texts("activity_names", &Activity::ALL.map(Activity::name))?;
     let shape = [agents.len(), times.len()];
     let count = agents.len() * times.len();
+    // Agent by agent, as the file has them, although the replay goes from time to time.
     let mut poses = vec![[0.0; 3]; count];
     let mut speeds = vec![0.0; count];
     let mut activities = vec![0_u8; count];
@@ -123,6 +124,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
         Fact::Agent(_, AgentFact::Planned { goal, .. }) => pair(*goal),
         _ => NO_CELL,
     };
+    // Pieces of all legs stand one behind the other, so a leg is found by the running sum of their numbers.
     let ends = ways().scan(0_u32, |ends, way| {
         *ends += way.pieces().len() as u32;
         Some(*ends)
@@ -146,6 +148,7 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
         Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
             [segment.curvature, segment.length_m, speed_mps, acceleration_mps2]
         }
+        // Zeros keep the array rectangular, as the other pieces have no such numbers.
         Piece::Turn { .. } | Piece::Wait { .. } => [0.0; 4],
     };
     arrays.add("piece_motions", &[count], pieces().map(|(_, piece)| motion(piece)))?;

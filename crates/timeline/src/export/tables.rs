@@ -183,6 +183,7 @@ fn detail(fact: &Fact) -> String {
         Fact::Agent(_, AgentFact::Rested { reason, .. }) => format!("reason={reason}"),
         Fact::Agent(_, AgentFact::LocalMinimum { x_m, y_m, .. }) => format!("x_m={x_m}; y_m={y_m}"),
         Fact::Ended { reason } => format!("reason={reason}"),
+        // One portion is the usual amount of a stop, and no detail.
         &Fact::Agent(_, AgentFact::Suppressing { water_units, .. }) if water_units > 1 => {
             format!("portions={water_units}")
         }

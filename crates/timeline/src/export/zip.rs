@@ -5,11 +5,13 @@
 
 use std::io::{self, Write};
 
+// `PK` and two bytes for the kind of the record, as little-endian numbers.
 const LOCAL_HEADER: u32 = 0x0403_4b50;
 const CENTRAL_HEADER: u32 = 0x0201_4b50;
 const END: u32 = 0x0605_4b50;
 /// The version 2.0 of the format has all that is needed.
 const VERSION: u16 = 20;
+// The month is in bits 5 to 8, the day below them; years count from 1980.
 const FIRST_DAY: u16 = (1 << 5) | 1;
 
 /// A writer of an archive, file by file.

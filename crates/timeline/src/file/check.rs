@@ -137,12 +137,14 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
         wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
     };
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
+    // Winds are looked up by the index of a cell, without another test.
     let is_of_field =
         |field: &WindField| field.east.len() == frame.cell_count() && field.north.len() == field.east.len();
     let fits = weather.wind_fields().iter().flatten().all(|field| is_of_field(field));
     require(fits, || "its winds do not fit its field".into())?;
     match spread {
         SpreadSetting::Rothermel { rules, .. } => {
+            // A share of the dry weight. NaN lies in no range, and is refused as well.
             if rules.crowns.is_some_and(|crowns| !(0.0..=5.0).contains(&crowns.foliar_moisture)) {
                 return Err(FileError::Impossible("its trees have an impossible foliar moisture".into()));
             }
@@ -153,6 +155,7 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
         }
         SpreadSetting::Alexandridis { rules, .. } => {
             let numbers = [rules.p0, rules.wind_c1, rules.wind_c2, rules.slope_a];
+            // A step of no time would keep the automaton at one instant.
             let is_possible = numbers.iter().all(|number| number.abs() <= 1.0) && rules.step > SimTime::ZERO;
             require(is_possible, || "its automaton has an impossible probability, coefficient or step".into())
         }

@@ -220,6 +220,7 @@ impl<'a> FactWriter<'a> {
                 self.record(kind::DROPPED, &[agent, self.cell(*goal)]);
                 self.leg(agent, trajectory);
             }
+            // One portion is the usual amount of a stop, so that this kind of record needs no number.
             AgentFact::Suppressing { cell, water_units: 1 } => {
                 self.record(kind::SUPPRESSING, &[agent, self.cell(*cell)]);
             }
@@ -303,6 +304,7 @@ impl<'a> FactWriter<'a> {
             pieces = &pieces[shared..];
             self.record(origin::LAST_START, &[shared as u32, pieces.len() as u32]);
         } else if bits(stands) == bits(leg.start()) && leg.start_time() >= self.now {
+            // The usual case: no pose is stored, and the delay needs no sign.
             self.record(origin::LAST_END, &[]);
             append(&mut self.records, &(leg.start_time() - self.now).as_nanos());
             append(&mut self.records, &(pieces.len() as u32));
@@ -491,6 +493,7 @@ impl<'a> FactReader<'a> {
             kind::SPRAYING => {
                 let cell = self.cell()?;
                 let water_units = self.number()?;
+                // A stop without a tank takes one portion, which is a record of another kind.
                 let full_tank = self.setting.water.as_ref().map_or(0, |water| water.full_tank);
                 if water_units > full_tank {
                     return Err(FileError::Impossible("a stop takes more water than a tank holds".into()));
@@ -596,11 +599,13 @@ impl<'a> FactReader<'a> {
         let (start_time, start, count) = match take(&mut self.records)? {
             origin::LAST_END => {
                 let delay_ns = take(&mut self.records)?;
+                // Before its first leg an agent is where it was set down.
                 (self.later(delay_ns)?, last_end.unwrap_or(stands), self.number()?)
             }
             origin::LAST_START => {
                 let last = last.ok_or(NO_SUCH_LEG)?;
                 let shared: u32 = take(&mut self.records)?;
+                // The number of shared pieces is from the file, and may be anything.
                 pieces.extend_from_slice(last.pieces().get(..shared as usize).ok_or(NO_SUCH_LEG)?);
                 (last.start_time(), last.start(), take(&mut self.records)?)
             }

@@ -28,6 +28,7 @@ pub fn take_graph(bytes: &mut &[u8], places: u32, edges: u32) -> Result<SearchGr
     let mut last = 0_u32;
     for _ in 0..edges {
         let (step, back) = take::<(i32, i32)>(bytes)?;
+        // A file may hold any steps; numbers that wrap around are out of range below.
         let to = last.wrapping_add_signed(step);
         let from = to.wrapping_sub(back.cast_unsigned());
         if from >= places || to >= places {

@@ -179,6 +179,7 @@ impl GroundRecord<'_> {
         let mut base = RecordBase::default();
         for _ in 0..count - ordinary_count {
             let (place, event) = take_record(&mut records, setting, base)?;
+            // Ordinary ignitions take the places that the records leave.
             while log.len() < place as usize {
                 log.push(ordinary.next().ok_or(MISCOUNTED)?);
             }
@@ -201,6 +202,7 @@ impl GroundRecord<'_> {
         let mut directions = self.directions.iter();
         let mut stretches = self.stretches;
         let mut index = 0;
+        // Stretches with and without ordinary ignitions alternate; the first is one without.
         let mut is_ordinary = false;
         let mut ignitions = Vec::with_capacity(self.directions.len());
         while !stretches.is_empty() {
@@ -212,6 +214,7 @@ impl GroundRecord<'_> {
                 let time = times.next(plane.predict(index))?;
                 plane.learn(index, time);
                 let cell = frame.cell(index);
+                // Two digits to the base `DIRECTIONS`, each shifted by `FARTHEST` so that it has no sign.
                 let towards = i32::from(*directions.next().ok_or(MISCOUNTED)?);
                 let cols = towards % DIRECTIONS - FARTHEST;
                 let rows = towards / DIRECTIONS - FARTHEST;
@@ -240,6 +243,7 @@ fn take_record(records: &mut &[u8], setting: &Setting, base: RecordBase) -> Resu
     };
     let agent = |place: u32| setting.agents.get(place as usize).map(|agent| agent.id).ok_or(NO_SUCH_AGENT);
     let later = |time: SimTime, nanos| time.as_nanos().checked_add(nanos).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME);
+    // Sums are checked, as a file may hold any numbers.
     let place = base.place.checked_add(take(records)?).ok_or(MISCOUNTED)?;
     let time = later(base.time, take(records)?)?;
     let kind: u32 = take(records)?;

@@ -52,6 +52,7 @@ pub const FORMAT: u16 = 9;
 
 /// The first bytes of every recording.
 pub const MAGIC: &[u8; 8] = b"WILDFIRE";
+// The magic, the version in 2 bytes, then the length and the checksum of the payload in 4 bytes each.
 const HEADER_BYTES: usize = 18;
 /// The maximum size of a recording, in bytes.
 pub const MAX_BYTES: u64 = (HEADER_BYTES + MAX_PAYLOAD_BYTES) as u64;
@@ -201,12 +202,14 @@ fn decode_payload(mut bytes: &[u8]) -> Result<Timeline, FileError> {
     let ground_setting = GroundSetting::take_from(&mut bytes)?;
     let log: Option<GroundRecord<'_>> = take(&mut bytes)?;
     let water: Option<WaterRecord> = take(&mut bytes)?;
+    // The payload ends here unless ground slows trucks, crews build line, or water meets heat.
     let (shares, line): (Vec<GroundSharesRecord>, Option<LineRules>) =
         if bytes.is_empty() { Default::default() } else { take(&mut bytes)? };
     let energy: Option<WaterEnergy> = if bytes.is_empty() { None } else { Some(take(&mut bytes)?) };
     if !bytes.is_empty() {
         return Err(FileError::Damaged("more follows than its setting and its facts"));
     }
+    // Facts come after the whole setting, which says what their numbers mean.
     let mut setting = setting.into_setting(&supplement)?;
     setting.blocked = ground_setting.blocked(setting.frame)?;
     setting.spread = ground_setting.spread(setting.frame)?;

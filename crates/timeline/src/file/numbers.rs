@@ -34,6 +34,7 @@ impl NumberWriter {
         let recurring = vec![0.0; references.len()];
         let mut coded = CodedNumbers { recurring, ..CodedNumbers::default() };
         for (&bits, &reference) in &references {
+            // References count from 1, as 0 marks a number that occurs once.
             coded.recurring[reference as usize - 1] = f64::from_bits(bits);
         }
         for number in &self.0 {

@@ -273,6 +273,7 @@ impl SettingRecord {
         let frame = FieldFrame { cols: self.cols, rows: self.rows, cell_m: self.cell_m };
         limit("cells along a side", frame.cols.max(frame.rows).into(), MAX_SIDE)?;
         let limits = supplement.limits.iter().map(|limits| limits.map(SpeedLimits::from));
+        // Files that know no agent's limits have an empty list.
         let agents = self.agents.iter().zip(limits.chain(std::iter::repeat(None)));
         Ok(Setting {
             scenario: self.scenario,

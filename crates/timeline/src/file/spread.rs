@@ -271,6 +271,7 @@ impl LocalRecord {
         | SpreadSetting::Alexandridis { landscape, weather, .. }) = &mut spread;
         let frame = landscape.frame;
         *landscape = Arc::new(Landscape { custom_fuels, ..Landscape::clone(landscape) });
+        // An empty list stands for wind that is the same everywhere, at all times.
         if !self.winds.is_empty() {
             if self.winds.len() != weather.intervals().len() {
                 return Err(FileError::Damaged("its winds by place are not those of its weather"));
@@ -499,6 +500,7 @@ impl RothermelRecord {
             wind_limit: word_at(&WIND_LIMITS, wind_limit)?,
             length_to_width: word_at(&LENGTHS_TO_WIDTHS, length_to_width)?,
         };
+        // Numbers of neighbours are even, so that the lowest bit is free for the refinement.
         let refined = self.neighbours % 2 == 1;
         let neighbours = Neighbours::try_from(self.neighbours & !1).map_err(|_| NO_WORD)?;
         let wet = SimTime::from_nanos(self.wet_ns);

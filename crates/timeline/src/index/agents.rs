@@ -304,6 +304,7 @@ impl<'a> AgentReader<'a> {
         let fact = match &event.fact {
             Fact::Agent(_, fact) => fact,
             Fact::Fire(fact) => {
+                // A fact about a fire has an agent only if that agent ignited the cell or put it out.
                 stats.cells += 1;
                 if let FireFact::Extinguished { cell, .. } = fact {
                     // A drive whose goal is put out was not wasted.
@@ -327,6 +328,7 @@ impl<'a> AgentReader<'a> {
             }
             _ => false,
         };
+        // Unlike resting by choice, this includes drives to places where a truck waits or fills its tank.
         self.has_nothing_to_do = match fact {
             AgentFact::Rested { reason } => {
                 use RestReason::{NoWater, NotReady, NothingBurns, PolicyWait, TooHot};

@@ -213,6 +213,7 @@ impl BushReader {
     /// Returns the history, and an outcome with its numbers about bushes.
     pub fn finish(mut self, rules: &Rules) -> (BushHistory, Outcome) {
         let counts = *self.counts();
+        // NaN without a response, and then left out below.
         let mean_response_s = self.response_ns as f64 / NANOS_PER_SECOND / f64::from(self.responses);
         let outcome = Outcome {
             obstacles: counts.bushes(),
@@ -247,6 +248,7 @@ pub struct SpreadMoment {
 /// what did light something.
 pub(super) fn spread_moments(timeline: &Timeline) -> Vec<SpreadMoment> {
     let mut caught: BTreeMap<(SimTime, u16, u16), Vec<Cell>> = BTreeMap::new();
+    // Moments at which fire may spread count even where nothing caught fire.
     for (time, from) in due_spreads(timeline) {
         caught.insert((time, from.row, from.col), Vec::new());
     }

@@ -106,6 +106,7 @@ impl GroundIndex {
         let is_ground = ground_cells(setting);
         let (first, mut burnings) = ignitions_by_cell(frame, log);
         let flaming = spread.flaming_times();
+        // As if nothing were put out; facts below end some of these fires earlier.
         for (index, cell) in first.windows(2).enumerate() {
             for burning in &mut burnings[cell[0] as usize..cell[1] as usize] {
                 burning.ends = flaming.burns_out_at(frame.cell(index), burning.ignited).unwrap_or(SimTime::MAX);

@@ -271,6 +271,7 @@ impl<'a> Reader<'a> {
         loop {
             self.read_instant();
             let now = self.replay.time();
+            // A period ends where the ground has so few fires that another one decides whether a truck has a goal.
             let scarce = self.scarce.get(self.scarce.partition_point(|&time| time <= now)).copied();
             let until = self.replay.next_change().into_iter().chain(scarce).chain([end]).min().unwrap_or(end);
             let until = until.min(end);
@@ -310,6 +311,7 @@ impl<'a> Reader<'a> {
                     continue;
                 }
             };
+            // The replay counts a fact before it hands it over.
             let fact = self.replay.facts_so_far() - 1;
             if !matches!(event.fact, Fact::Agent(_, AgentFact::Searched { .. })) && self.moments.last() != Some(&now) {
                 self.moments.push(now);
@@ -328,6 +330,7 @@ impl<'a> Reader<'a> {
                 }
             }
         }
+        // Peaks are those at the end of instants: a fire that is replaced by another at once does not count twice.
         self.bushes.end_instant();
         for (index, agent) in self.agents.iter_mut().enumerate() {
             agent.turn_to(now, self.replay.activity(index), self.replay.goal(index));
@@ -409,6 +412,7 @@ impl<'a> Reader<'a> {
             .filter(|&agent| self.agents[agent].is_truck())
             .filter_map(|agent| self.replay.goal(agent))
             .collect();
+        // Sorted, so that equal goals are neighbours.
         goals.sort_unstable_by_key(|goal| (goal.row, goal.col));
         let counted = goals.chunk_by(|a, b| a == b).map(|same| (same[0], same.len() as u32));
         counted.filter(|&(cell, _)| burns(cell)).collect()

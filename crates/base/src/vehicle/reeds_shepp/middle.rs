@@ -58,6 +58,7 @@ impl WordForm {
     #[inline(always)]
     pub fn middle(self, view: &View) -> Option<Middle> {
         let &View { squared, distance: d, tangent: w, .. } = view;
+        // Those that end in L+ or R-, which turn counter-clockwise as L+ does.
         let turns_on = matches!(
             self,
             Self::LpSpLp | Self::LpRmLp | Self::LpRpLmRm | Self::LpRmSmRm | Self::LpSpLpRm | Self::LpRpLp
@@ -66,6 +67,7 @@ impl WordForm {
         match self {
             Self::LpSpLp => middle(d, 0.0, 1.0, 0.0),
             Self::LpSpRp => {
+                // Circles that overlap have no inner tangent.
                 at_least(4.0, squared)?;
                 middle(w, 0.0, w, 2.0)
             }
@@ -78,18 +80,22 @@ impl WordForm {
                 middle(u, -u, q, d)
             }
             Self::LpRpLp => {
+                // Of the two arcs between the touching circles Dubins' word takes the longer one.
                 let (u, q) = inner_arc(view)?;
                 middle(TAU - u, u, -q, d)
             }
             Self::LpRpLmRm => {
+                // The inner arcs are equal (8.7), so one length stands for both.
                 let cos = at_most(1.0, 0.25 * (2.0 + d))?;
                 let u = ops::acos(cos);
                 middle(2.0 * u, -2.0 * u, -sine(cos), cos)
             }
             Self::LpRmLmRp => {
+                // Reeds and Shepp bound these arcs by a quarter circle, up to where the cosine is not negative.
                 let cos = at_least(0.0, at_most(1.0, (20.0 - squared) / 16.0)?)?;
                 middle(2.0 * ops::acos(cos), 0.0, -2.0 * sine(cos), 4.0 - 2.0 * cos)
             }
+            // From here on an inner arc beside a straight is a quarter circle, which the middle includes.
             Self::LpRmSmLm => middle(FRAC_PI_2 + at_least(0.0, w - 2.0)?, FRAC_PI_2, -2.0, w),
             Self::LpSpRpLm => middle(FRAC_PI_2 + at_least(0.0, w - 2.0)?, -FRAC_PI_2, w, 2.0),
             Self::LpRmSmRm => middle(FRAC_PI_2 + at_least(0.0, d - 2.0)?, FRAC_PI_2, 0.0, 1.0),

@@ -270,6 +270,7 @@ fn divided<'a>(
         let levels: Vec<u32> = conditions.iter().map(|condition| condition.of_run[run]).collect();
         let index = *index_of.entry(levels).or_insert_with(|| {
             let levels = conditions.iter().map(|it| (it.name.clone(), it.level_of(run).to_owned())).collect();
+            // Named later, when it is seen in what the entries of all tables differ.
             entries.push(EntryRuns { name: String::new(), table, settings, levels, runs: Vec::new() });
             entries.len() - 1
         });
@@ -296,6 +297,7 @@ fn name_entries(entries: &mut [EntryRuns<'_>]) -> Result<(), RankingError> {
             return Ok(());
         }
     }
+    // Even the paths are equal, so one table was given twice.
     let names: Vec<String> = entries.iter().map(name_by_path).collect();
     let twice = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name));
     Err(RankingError::EntryTwice { name: twice.map_or_else(String::new, |(_, name)| name.clone()) })

@@ -74,6 +74,7 @@ impl Significance {
             }
         }
         // Groups are named in the order of their best members.
+        // The best entry has the lowest bit, which the reversal makes the highest.
         groups.sort_unstable_by_key(|group| group.reverse_bits());
         groups.reverse();
         if groups.len() > LETTERS.len() {

@@ -232,6 +232,7 @@ pub fn rank(paths: &[PathBuf], request: &RankingRequest) -> Result<Ranking, Rank
             planner: entry.planner().to_owned(),
             failed,
             runs: entry.runs.len(),
+            // Failed runs have no value either, and are counted by themselves.
             without_value: without_value(entry, &metric, of_metric.len()) - failed,
             queries: queries_of(entry),
             failures: failures_of(entry),

@@ -304,6 +304,7 @@ impl OpenJournal {
     /// Puts a new file with all lines in the place of the journal.
     fn rewrite(&mut self) -> Result<(), BatchError> {
         let Some(guard) = &mut self.guard else { return Ok(()) };
+        // The program that changed the journal may have removed it already.
         let _ = fs::remove_file(&self.path);
         let emptied = open_to_append(&self.path).and_then(|file| file.set_len(0).map(|()| file));
         let file = emptied.map_err(|source| BatchError::unwritable(&self.path, source))?;

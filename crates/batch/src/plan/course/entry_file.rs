@@ -52,6 +52,7 @@ pub struct EntryFile {
 impl EntryCard {
     fn from_value(value: TomlValue) -> Result<Self, String> {
         let card: Self = value.try_into().map_err(|error: toml::de::Error| format!("[entry]: {}", error.message()))?;
+        // Names become those of files and folders, which must not be hidden or lead elsewhere.
         if !(1..=MAX_NAME).contains(&card.name.len())
             || !card.name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-+._".contains(letter))
             || card.name.starts_with('.')
@@ -134,12 +135,14 @@ impl EntryFile {
         limits: &ProgramLimits,
         name_of_entry: &str,
     ) -> Result<Vec<CourseChange>, CourseError> {
+        // `canonicalize` refuses an empty path.
         let entry_folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut changes = Vec::new();
         for list in TABLES_OF_PROGRAMS {
             let tables = self.table.get(list).and_then(TomlValue::as_table).into_iter().flatten();
             for (name, table) in tables {
                 let Some(table) = table.as_table() else { continue };
+                // Only the keys matter, for which a leaf needs some value.
                 let at = Leaf { keys: vec![list.into(), name.clone()], value: TomlValue::Boolean(true) };
                 let line = at.line_in(&self.text);
                 let Some(key) = at.key() else {
@@ -150,11 +153,13 @@ impl EntryFile {
                     return Err(fault(&self.path, Some(line), &message));
                 };
                 let folder = entry_folder.join(table.get("folder").and_then(TomlValue::as_str).unwrap_or_default());
+                // Absolute, since a batch may be resumed from another folder.
                 let folder = fs::canonicalize(&folder).map_err(|error| {
                     fault(&self.path, Some(line), &format!("its folder {}: {error}", folder.display()))
                 })?;
                 let folder = TomlValue::String(folder.to_string_lossy().into_owned());
                 changes.push(CourseChange { option: format!("{key}.folder={folder}"), line });
+                // A module needs no sandbox, as it reaches nothing but what it is handed.
                 if table.contains_key("command") {
                     let label = TomlValue::String(name_of_entry.to_owned());
                     changes.push(CourseChange { option: format!("{key}.sandbox=true"), line });

@@ -72,6 +72,7 @@ impl GradingRules {
         if [valid, no_crash, no_violation, baseline, effort].iter().any(|points| !(0.0..=1e6).contains(points)) {
             return fault("points", "expected points from 0 to 1000000");
         }
+        // Points between two marks are interpolated, which needs an order.
         let is_rising = self.marks.windows(2).all(|rows| rows[0][0] < rows[1][0]);
         let is_valid = self.marks.iter().all(|[score, points]| score.is_finite() && (0.0..=1e6).contains(points));
         if !is_rising || !is_valid || self.marks.len() > MAX_MARKS {

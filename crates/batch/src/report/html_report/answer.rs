@@ -110,6 +110,7 @@ fn stuck_text(stuck: u64, done: u64) -> String {
 /// Says which is best and whether that is more than chance.
 fn compared(compared: &Compared) -> String {
     let Compared { quantity, aim, best, best_mean, others, strata, by, .. } = compared;
+    // There are others: `Compared` is made of two or more.
     let next = &others[0];
     let last = &others[others.len() - 1];
     let count = others.len() + 1;

@@ -249,6 +249,7 @@ impl MeansChart {
                 .iter()
                 .map(|panel| {
                     let series = panel.series.iter().map(|series| {
+                        // Every variant is a series of these panels, and the only one in it.
                         let values = &values[series.variants[0]];
                         let bars = quantities.iter().map(|&quantity| match self.are_sums {
                             true => values.sum(quantity),

@@ -82,6 +82,7 @@ impl Labels {
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (index, dimension) in self.dimensions.iter().enumerate() {
+            // They vary together if either follows from the other.
             let alike = groups.iter_mut().find(|group| {
                 let other = &self.dimensions[group[0]].texts;
                 follows(other, &dimension.texts) && follows(&dimension.texts, other)

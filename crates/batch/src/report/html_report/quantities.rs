@@ -196,6 +196,7 @@ pub fn key_axis(key: &str) -> String {
         ("_c", "°C"),
         ("_percent", "%"),
     ];
+    // Longer endings come before those that they end with, such as `_deg_s` before `_s`.
     let unit = UNITS.iter().find(|(ending, _)| key.ends_with(ending));
     unit.map_or_else(|| key.to_owned(), |(_, unit)| format!("{key} ({unit})"))
 }

@@ -95,6 +95,7 @@ fn curves_over(
             .iter()
             .filter_map(|&variant| Some((places[variant], values[variant].mean(quantity)?)))
             .collect();
+        // A line joins neighbours, and a plan may sweep values in any order.
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Curve { name: series.name, style: series.style, points }
     };

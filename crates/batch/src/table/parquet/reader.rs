@@ -50,6 +50,7 @@ impl RowGroup<'_> {
             column.name() == name && column.physical_type() == T::get_physical_type()
         });
         let index = index.ok_or_else(|| format!("it has no column `{name}` of the expected kind"))?;
+        // A damaged file may claim any number of rows.
         let rows = usize::try_from(self.0.metadata().num_rows()).ok().filter(|&rows| rows <= MAX_GROUP_ROWS);
         let rows = rows.ok_or("its groups of rows are too large")?;
         let mut reader = get_typed_column_reader::<T>(self.0.get_column_reader(index).map_err(to_message)?);

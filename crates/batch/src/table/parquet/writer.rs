@@ -152,6 +152,7 @@ fn schema(columns: &[FileColumn]) -> Result<Type, ParquetError> {
     let fields = columns.iter().map(|column| {
         let (physical, logical) = match column.kind {
             Kind::Count => (Physical::INT64, None),
+            // The physical type has a sign; the logical one says that these numbers have none.
             Kind::LargeCount => (Physical::INT64, Some(LogicalType::integer(64, false))),
             Kind::Real => (Physical::DOUBLE, None),
             Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),

@@ -50,7 +50,9 @@ impl DirectionSet {
         for (place, &first) in coarse.iter().enumerate() {
             let last = coarse[(place + 1) % coarse.len()];
             let mut from = first;
+            // Depth first, with the pending ends on a stack, so that steps come out in order of direction.
             let mut pending = vec![last];
+            // Only pairs that fail are refined, and then beyond bare acuteness.
             let needed = if min_acuteness(ellipses, first, last) < 0.0 { REFINED_ACUTENESS } else { 0.0 };
             while let Some(&to) = pending.last() {
                 // The mediant: of all steps between two neighbours it is the shortest.
@@ -64,6 +66,7 @@ impl DirectionSet {
                     pending.pop();
                 }
             }
+            // Without a step between them `first` is the last that was pushed.
             if steps.last() != Some(&first) {
                 refined.push([first, last]);
             }

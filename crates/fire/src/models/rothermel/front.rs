@@ -534,6 +534,7 @@ impl Front {
         let Self { cells, rates, template, lengths, interval, queue, .. } = self;
         let set = template.set(interval.number);
         let count = set.ways.len();
+        // Looked up once, as all ways from here begin with it.
         let here = spreading(rates, cells, interval.number, from);
         for (place, number) in set.numbers().enumerate() {
             let way = &template.ways[number];
@@ -548,8 +549,10 @@ impl Front {
             }
             let there = spreading(rates, cells, interval.number, to);
             let v = template.vectors[number];
+            // As in `way_seconds`: the mean of both ends stands for a short way over one fuel.
             let is_smooth = is_short(way) && crossing == Crossing::Uniform;
             let along = there.seconds_over(lengths[number], v);
+            // Used below only where `is_smooth` has set it.
             let mut seconds = f64::NAN;
             let mut time = NEVER;
             if is_smooth {
@@ -561,6 +564,7 @@ impl Front {
                 time = arrival_along(rates, cells, from, way, now);
             }
             offer(cells, queue, to, time, number);
+            // The difference of infinite times would be NaN below.
             if crossing != Crossing::Uniform || there.slowness == f64::INFINITY {
                 continue;
             }
@@ -576,6 +580,7 @@ impl Front {
                 let current = EdgeStart { index: from, way: number };
                 let other = EdgeStart { index: beside, way: other_number };
                 let ends = if first_place == place { [current, other] } else { [other, current] };
+                // Where one of both ways is long, `two_point_arrival` follows them piece by piece.
                 let mut is_in_interval = is_smooth && is_short(other_way);
                 let mut two_point = NEVER;
                 if is_in_interval {
@@ -583,11 +588,13 @@ impl Front {
                     let other_along = there.seconds_over(lengths[other_number], other_v);
                     let other_here = spreading(rates, cells, interval.number, beside);
                     let other_seconds = 0.5 * (other_here.seconds_over(lengths[other_number], other_v) + other_along);
+                    // As in `two_point_arrival`: seconds beyond the ellipse of `to`, and those of the drift.
                     let of_current = (seconds - along, there.drift_seconds(v));
                     let of_other = (other_seconds - other_along, there.drift_seconds(other_v));
                     let [first, second] =
                         if first_place == place { [of_current, of_other] } else { [of_other, of_current] };
                     let [first_time, second_time] = ends.map(|end| cells.time[end.index]);
+                    // In two steps, so that rounding is the same as there.
                     let mut later = seconds_between(first_time, second_time) - (second.1 - first.1);
                     later += second.0 - first.0;
                     let pair = &set.pairs[first_place];
@@ -598,6 +605,7 @@ impl Front {
                     after_first += first.0;
                     two_point = first_time.saturating_add(nanos(after_first)).max(now);
                     is_in_interval = cells.time[beside] >= interval.from && two_point <= interval.until;
+                    // What does not improve the plan needs no look at the ground of the other way.
                     if is_in_interval && two_point >= cells.time[to] {
                         continue;
                     }
@@ -644,6 +652,7 @@ impl Front {
                 let is_uniform = cells.has_burned(beside.index)
                     && cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
                 if is_uniform {
+                    // Counter-clockwise, as `two_point_arrival` expects them.
                     let ends = if is_first { [beside, current] } else { [current, beside] };
                     if let Some(time) = two_point_arrival(rates, cells, template, to, ends) {
                         offer(cells, queue, to, time, number);

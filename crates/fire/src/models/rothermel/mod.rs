@@ -168,6 +168,7 @@ impl FireModel for Rothermel {
         expected: &mut Vec<(SimTime, FireEvent)>,
     ) -> Vec<Spread> {
         let mut spreads = Vec::new();
+        // What was announced before the last change is out of date.
         if arrival.revision == self.revision {
             self.announced = None;
             self.take_due(now, &mut spreads);

@@ -188,6 +188,7 @@ impl Rates {
 
     /// Says whether all cells of a fuel burn alike: on a plane, without trees.
     pub fn is_plane(&self) -> bool {
+        // `new` makes a cache everywhere else.
         self.kept.is_empty()
     }
 
@@ -241,6 +242,7 @@ impl Rates {
             };
             let wind = self.weather.intervals()[interval].wind_mps;
             let rules = self.rules;
+            // A copy, as `beds` borrows all of `self`.
             let adjustments = self.adjustments.clone();
             let beds = self.beds(interval).iter().zip(adjustments);
             let spreading =
@@ -288,6 +290,7 @@ impl Rates {
 
     fn directions_in(&mut self, interval: usize) -> DirectionSet {
         let neighbours = self.rules.neighbours;
+        // Without refinement directions do not depend on ellipses.
         if !self.rules.refined {
             return DirectionSet::new(neighbours, &[]);
         }
@@ -297,6 +300,7 @@ impl Rates {
         }
         let frame = self.landscape.frame;
         let mut ellipses = Vec::new();
+        // A sample, as the ellipses of all cells of a large field would take long.
         for index in sampled_cells(frame.cell_count()) {
             let fuel = self.fuel(self.landscape.fuel[index]);
             if fuel != BARRIER {

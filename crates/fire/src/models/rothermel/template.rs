@@ -126,6 +126,7 @@ impl Template {
     fn edge_set(&mut self, set: &DirectionSet, stride: usize, cell_m: f64, gradient: Option<DVec2>) -> EdgeSet {
         let mut numbers = Vec::new();
         for &step in set.steps() {
+            // Sets of other weather share the ways that they have in common, with their numbers.
             let (number, is_new) = number_of(&mut self.ways, step, stride);
             numbers.push(number);
             if is_new {
@@ -136,6 +137,7 @@ impl Template {
             set.exact_offsets().into_iter().map(|step| number_of(&mut self.disc, step, stride).0).collect();
         // Sorted, so that membership is a binary search.
         disc.sort_unstable();
+        // Ways that later sets add lie beyond the end of this list, which `place` takes for absent.
         let mut places = vec![None; self.ways.len()];
         for (place, &number) in numbers.iter().enumerate() {
             places[usize::from(number)] = Some(place as u16);
@@ -145,6 +147,7 @@ impl Template {
         let pairs = numbers
             .iter()
             .zip(next)
+            // Only on a plane is a pair the same at every cell.
             .filter_map(|(&one, &other)| {
                 gradient.map(|gradient| {
                     Pair::new(gradient, self.vectors[usize::from(one)], self.vectors[usize::from(other)])

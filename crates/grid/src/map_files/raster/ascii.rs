@@ -49,6 +49,7 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ra
         let (row, col) = (index / cols, index % cols);
         let word = tokens.next().ok_or(RasterFault::Ends { row, col, rows, cols })?;
         let value = number(word).ok_or_else(|| RasterFault::Cell { row, col, found: shown(word) })?;
+        // The file begins in the north, a raster in the south.
         values[(rows - 1 - row) * cols + col] = value;
     }
     if tokens.next().is_some() {
@@ -87,6 +88,7 @@ impl AsciiHead {
     fn read(tokens: &mut Tokens) -> Result<Self, RasterFault> {
         let mut head = Vec::new();
         while let Some(word) = tokens.peek() {
+            // No key begins like a number, so the first word that does is the first cell.
             let begins_a_number = word[0].is_ascii_digit() || b"+-.".contains(&word[0]);
             if begins_a_number || word.eq_ignore_ascii_case(b"nan") {
                 break;
@@ -102,6 +104,7 @@ impl AsciiHead {
             tokens.next();
             let Some(word) = tokens.next() else { return wrong(format!("`{key}` has no number")) };
             let number = decimal(word).and_then(|text| text.parse::<f64>().ok());
+            // Infinities and `nan` are errors in all keys but this one.
             let is_none = key == "nodata_value" && number.is_some_and(f64::is_nan);
             match number.filter(|number| number.is_finite() || is_none) {
                 Some(number) => head.push((key, number)),

@@ -95,9 +95,11 @@ impl Coordinates {
     /// Reads the text of a `.prj` file, or another description of a system as well-known text.
     pub fn of_text(text: &str) -> SpatialReference {
         let upper = text.trim().to_ascii_uppercase();
+        // ArcInfo's older descriptions have lines of keywords instead of brackets.
         if upper.starts_with("PROJECTION") {
             return of_arc_info(&upper);
         }
+        // A compound system has a second part for heights, with a unit that is not that of lengths on the ground.
         let vertical = ["VERT_CS[", "VERTCS[", "VERTCRS["].iter().find_map(|start| upper.find(start));
         let (horizontal, heights) = upper.split_at(vertical.unwrap_or(upper.len()));
         // Units further in, such as the degrees of its datum, come before that of its lengths.
@@ -111,6 +113,7 @@ impl Coordinates {
         let coordinates = if !["PROJCS[", "PROJCRS["].iter().any(|start| horizontal.contains(start)) {
             ["GEOGCS[", "GEOGCRS[", "GEODCRS["].iter().any(|start| horizontal.contains(start)).then_some(Self::Degrees)
         } else if method.contains("AUXILIARY SPHERE") || method.contains("PSEUDO MERCATOR") {
+            // Before the other kinds of Mercator, as its methods are called Mercator too.
             Some(Self::WebMercator)
         } else if method.starts_with("MERCATOR") || is_cylinder.iter().any(|method_name| method.contains(method_name)) {
             Some(Self::Unusable)
@@ -246,6 +249,7 @@ impl GeoKeys {
         let text = self.ascii.split_once("ESRI PE String = ").map(|(_, text)| text);
         let named = of_epsg.or_else(|| Coordinates::of_text(text?).coordinates);
         let is_cylinder = self.listed(PROJECTION_METHOD).is_some_and(|method| CYLINDER_METHODS.contains(&method));
+        // The system comes before its unit: metres of a projection of the whole Earth are not those on the ground.
         match self.listed(LINEAR_UNITS) {
             _ if matches!(named, Some(Coordinates::WebMercator | Coordinates::Unusable)) => named,
             _ if is_cylinder => Some(Coordinates::Unusable),

@@ -57,6 +57,7 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
     check_place([place.west_m, south_m], [cols, rows], cell_m, coordinates)?;
     let nodata = nodata(&mut decoder)?;
     let mut items = BandItems::read(&mut decoder, bands)?;
+    // Chunks without data may be missing from a file; their cells have the value for no data.
     let mut pixels = TiffPixels { rows, cols, bands, bits, absent: nodata.unwrap_or(0.0) };
     let mut all = pixels.read(&mut decoder)?;
     // As GDAL has it: a mask comes before a value for no data, and that before a band of opacity.
@@ -71,6 +72,7 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
         valid = pixels.read(&mut decoder)?.pop();
     }
     if has_opacity {
+        // Taken off in any case: opacity is no band of data, even where something else says which cells are valid.
         let opacity = all.pop().filter(|_| valid.is_none() && nodata.is_none());
         valid = valid.or(opacity);
         items.pop();
@@ -85,6 +87,7 @@ pub(super) fn parse_bands(mut bytes: Vec<u8>) -> Result<Vec<Band>, RasterFault> 
             }
             nodata = Some(f32::NAN);
         }
+        // Rows were turned over on the assumption that the file begins in the north.
         if place.south_first {
             for row in 0..rows / 2 {
                 let (south, north) = values.split_at_mut((rows - 1 - row) * cols);
@@ -128,6 +131,7 @@ impl BandItems {
             let Some((attributes, value)) = item.split_once('>') else { continue };
             let attribute = |key: &str| attributes.split_once(key)?.1.split('"').next();
             let number = attribute("sample=\"").and_then(|number| number.parse::<usize>().ok());
+            // An item without a band's number is about the whole file.
             let Some(band) = number.and_then(|number| all.get_mut(number)) else { continue };
             let value = value.split('<').next().unwrap_or_default();
             // The ampersand comes last: `&amp;lt;` stands for `&lt;` and not for a bracket.
@@ -178,6 +182,7 @@ impl TiffPixels {
     fn read(&self, decoder: &mut TiffDecoder<'_>) -> Result<Vec<Vec<f32>>, RasterFault> {
         let (width, height) = decoder.chunk_dimensions();
         let width = width as usize;
+        // A file may give 2^32 - 1 rows per strip, which stands for a single strip (TIFF 6.0, section 8).
         let height = (height as usize).min(self.rows);
         if width == 0 || height == 0 || width * height > MAX_RASTER_CELLS {
             return Err(RasterFault::Damaged { message: "its strips or tiles have an impossible size".into() });
@@ -198,8 +203,10 @@ impl TiffPixels {
             bands.push(values);
         }
         let is_planar = decoder.find_tag_unsigned::<u16>(Tag::PlanarConfiguration).map_err(damaged)? == Some(PLANAR);
+        // Either every band has its chunks after those of the band before, or the samples of a cell lie side by side.
         let (planes, together) = if is_planar { (self.bands, 1) } else { (1, self.bands) };
         let in_plane = across * self.rows.div_ceil(height);
+        // A chunk of no bytes was left out by the writer, and its cells keep the absent value.
         for chunk in (0..planes * in_plane).filter(|&chunk| bytes.get(chunk) != Some(&0)) {
             let plane = chunk / in_plane;
             let number = chunk % in_plane;
@@ -218,6 +225,7 @@ impl TiffPixels {
                 return Err(RasterFault::Ends { row: north, col: west, rows: self.rows, cols: self.cols });
             }
             for (offset, row) in samples.chunks_exact(cols * together).take(rows).enumerate() {
+                // The file's rows go south, those of a raster north.
                 let start = (self.rows - 1 - north - offset) * self.cols + west;
                 for (band, values) in bands[plane..plane + together].iter_mut().enumerate() {
                     let band_samples = row.iter().skip(band).step_by(together);
@@ -337,15 +345,18 @@ impl RasterCorner {
         let tie = numbers(Tag::ModelTiepointTag)?;
         let matrix = numbers(Tag::ModelTransformationTag)?;
         let ([x, y], west, edge) = match (scale.as_deref(), tie.as_deref(), matrix.as_deref()) {
+            // The tie point may be at any cell, so the corner is computed back from it.
             (Some(&[x, y, ..]), Some(&[col, row, _, east, north, _, ..]), _) => {
                 ([x, y], east - col * x, north + row * y)
             }
+            // Terms off the diagonal turn or shear the raster, and cells could no longer be squares along the axes.
             (_, _, Some(&[x, x_by_row, _, east, y_by_col, y, _, north, ..])) => {
                 if x_by_row != 0.0 || y_by_col != 0.0 {
                     return unfit("its rows do not run from west to east; gdalwarp in.tif out.tif rotates it");
                 }
                 ([x, -y], east, north)
             }
+            // Several tie points without a scale are ground control points, which only a warp can resolve.
             (None, Some(points), _) if points.len() > 6 => {
                 return unfit(
                     "it gives only single points of its position; gdalwarp -t_srs EPSG:NUMBER in.tif out.tif places its cells",
@@ -368,6 +379,7 @@ impl RasterCorner {
                 in.tif out.tif fixes it",
             );
         }
+        // Scales are often quotients that were rounded, so that a square cell may differ in the last digits.
         if (x - y.abs()).abs() > 1e-6 * x.abs() {
             return Err(RasterFault::NotSquare { x, y });
         }
@@ -397,6 +409,7 @@ pub(super) fn to_bytes(bands: &[(Option<&str>, &Raster)]) -> TiffResult<Vec<u8>>
     tags.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, raster.west_m, raster.north_m(), 0.0][..])?;
     match &raster.crs {
         None => {
+            // The head of the directory: version 1, revision 1.0, and two keys of four numbers each.
             let keys = [1, 1, 0, 2, MODEL_TYPE, 0, 1, PROJECTED, RASTER_TYPE, 0, 1, PIXEL_IS_AREA];
             tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..])?;
         }
@@ -421,7 +434,9 @@ pub(super) fn to_bytes(bands: &[(Option<&str>, &Raster)]) -> TiffResult<Vec<u8>>
     if !items.is_empty() {
         tags.write_tag(GDAL_METADATA, format!("<GDALMetadata>\n{items}</GDALMetadata>\n").as_str())?;
     }
+    // TIFF begins in the north, a raster in the south.
     let rows = (0..raster.rows).rev().flat_map(|row| row * raster.cols..(row + 1) * raster.cols);
+    // Samples of a cell lie side by side, the layout that TIFF assumes where a file does not say.
     let values: Vec<f32> = rows.flat_map(|cell| bands.iter().map(move |(_, band)| band.values[cell])).collect();
     image.write_data(&values)?;
     Ok(file.into_inner())

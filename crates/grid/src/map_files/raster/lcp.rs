@@ -55,6 +55,7 @@ fn double(bytes: &[u8], at: usize) -> f64 {
 /// Reads all layers.
 pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Vec<Band>, RasterFault> {
     let word = |at| int(bytes, at).expect("the header is whole");
+    // Two flags at the beginning say whether the layers of crowns and those of ground fuels follow the first five.
     let layers: Vec<usize> = (0..LAYERS.len())
         .filter(|layer| match *layer {
             ..ALWAYS => true,
@@ -103,6 +104,7 @@ pub(super) fn parse(bytes: &[u8], coordinates: Option<Coordinates>) -> Result<Ve
             return Err(RasterFault::Landscape { message });
         }
         let mut values = with_room(rows * cols)?;
+        // The file's rows go south, those of a raster north; the layers of a cell lie side by side, two bytes each.
         for row in (0..rows).rev() {
             for col in 0..cols {
                 values.push(f32::from(short(data, 2 * ((row * cols + col) * layers.len() + number))));

@@ -76,7 +76,9 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
         _ => (STRIPS, cols, number(ROWS_PER_STRIP).unwrap_or(rows).min(rows)),
     };
     let [Some(offsets), Some(counts)] = tags.map(|tag| head.numbers(bytes, tag)) else { return Ok(None) };
+    // In planes, a chunk holds one band only.
     let samples = if number(PLANAR) == Some(2) { 1 } else { number(SAMPLES).unwrap_or(1) };
+    // Checked, as a header may claim any size.
     let bits = width.checked_mul(samples).and_then(|samples| samples.checked_mul(number(BITS).unwrap_or(1)));
     let row_bytes = bits.map(|bits| bits.div_ceil(8));
     let is_sound = cols > 0 && rows > 0 && width > 0 && height > 0 && offsets.len() == counts.len();
@@ -88,6 +90,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
     let down = rows.div_ceil(height);
     let (mut starts, mut sizes) = (Vec::new(), Vec::new());
     for (chunk, (&offset, &count)) in offsets.iter().zip(&counts).enumerate() {
+        // Chunks of the next plane begin in the north-west again.
         let row = chunk / across % down * height;
         let col = chunk % across * width;
         let wrong = |reason: &str| Err(format!("row {row}, column {col}: {reason}"));
@@ -151,6 +154,7 @@ fn unpack(bytes: &[u8], max: usize) -> Result<Option<Vec<u8>>, String> {
 fn unpack_lzw(packed: &[u8], limit: usize, plain: &mut Vec<u8>) {
     let mut strings: Vec<(usize, usize)> = Vec::with_capacity(MAX_STRINGS);
     let mut before: Option<(usize, usize)> = None;
+    // Bits that were read and not used yet, right-aligned.
     let mut kept = 0_u32;
     let mut kept_bits = 0;
     let mut rest = packed.iter();

@@ -60,6 +60,7 @@ pub(super) enum Fax {
 pub(super) fn unpack(packed: &[u8], form: Fax, width: usize, limit: usize, plain: &mut Vec<u8>) {
     const TWO_DIMENSIONAL: u64 = 1;
     let mut bits = Bits { bytes: packed, at: 0 };
+    // The first row compares with an imaginary white one, which has no changes (ITU-T T.4).
     let mut above = Vec::new();
     while plain.len() < limit {
         let mut is_coded_alone = true;
@@ -81,6 +82,7 @@ pub(super) fn unpack(packed: &[u8], form: Fax, width: usize, limit: usize, plain
         let Some(row) = row else { return };
         let start = plain.len();
         plain.resize(start + width.div_ceil(8), 0);
+        // Changes alternate: the first black column, then the first white one behind it.
         for run in row.chunks(2) {
             let end = run.get(1).map_or(width, |&end| end);
             (run[0]..end).for_each(|col| plain[start + col / 8] |= 0x80 >> (col % 8));
@@ -127,9 +129,11 @@ impl Bits<'_> {
             let (bits, run) = RUNS[usize::from(is_black)][self.peek(LONGEST)];
             self.at += usize::from(bits);
             length += usize::from(run);
+            // No code begins with these bits, or they lie beyond the end.
             if bits == 0 || self.at > 8 * self.bytes.len() {
                 return None;
             }
+            // Runs of 64 pixels and more have a code for their multiple of 64, and one for the rest.
             if run < 64 {
                 return Some(length);
             }
@@ -162,6 +166,7 @@ impl Bits<'_> {
             // Only changes away from the colour of this row count.
             let next = next + usize::from((next % 2 == 1) != changes.is_black);
             let change_above = |place: usize| above.get(place).map_or(width, |&change| change);
+            // The leading 1 keeps zeros at the front of a code, which would be lost in a number.
             let mut code = 1;
             col = Some(loop {
                 code = code << 1 | self.take(1);

@@ -116,6 +116,7 @@ pub(super) fn check(bytes: &mut [u8]) -> Result<TiffSize, RasterFault> {
         let message = format!("its numbers have {bits} bits; gdal_translate -ot Float32 in.tif out.tif converts them");
         return Err(RasterFault::Unfit { message });
     }
+    // No packing that is read shrinks more, so a few bytes cannot claim memory for billions of cells.
     if rows * (cols * bands * bits).div_ceil(8) / MAX_RATIO > bytes.len() {
         return Err(RasterFault::TooShort { bytes: bytes.len(), rows, cols });
     }
@@ -219,6 +220,7 @@ impl TiffHead {
     pub fn entry(&self, bytes: &[u8], tag: u16) -> Option<TiffEntry> {
         let places = (0..self.tags).rev().map(|index| self.first + index * self.entry_size());
         let at = places.into_iter().find(|&at| self.read(bytes, at, 2) == Some(tag.into()))?;
+        // Types of whole numbers without a sign: bytes, shorts, longs, offsets, and those of 64 bits in a BigTIFF.
         let size = match self.read(bytes, at + 2, 2)? {
             1 => 1,
             3 => 2,

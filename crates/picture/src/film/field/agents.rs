@@ -73,10 +73,12 @@ fn draw_mark(canvas: &mut Canvas, pane: &Pane, index: usize) {
         [(0.58, 0.0), (-0.42, 0.36), (-0.24, 0.0), (-0.42, -0.36)].map(|(along, across): (f32, f32)| {
             let along = along * length;
             let across = across * length;
+            // Pixels count downwards, so north has a minus.
             (at.0 + along * cos - across * sin, at.1 - along * sin - across * cos)
         })
     };
     let length = MARK_LENGTH * unit;
+    // A pale edge beneath, or marks of one colour that overlap would merge.
     canvas.fill(&arrow(length + 4.0 * edge), PAPER);
     canvas.fill(&arrow(length), colour);
     if is_idle {
@@ -93,6 +95,7 @@ fn draw_agent(canvas: &mut Canvas, pane: &Pane, index: usize) {
     if !pane.is_near(at, length) {
         return;
     }
+    // The ring tells that the body is drawn larger than it is.
     if length > true_length(pane, &start.body) {
         let radius = ring_radius(length, unit);
         canvas.ring(at, radius, &Pen::opaque(PAPER, 4.0 * unit));
@@ -157,6 +160,7 @@ fn draw_truck(canvas: &mut Canvas, (x, y): Point, pose: Pose, body: &Dimensions,
     let stretch = DVec2::new(body.length_m / DRAWN_LENGTH_M, body.width_m / DRAWN_WIDTH_M) * scale;
     let drawn = (to_f32(stretch.x), to_f32(stretch.y));
     let rear_axle = -body.centre_offset_m();
+    // By the single-track model, as wheelbase times curvature is the tangent of the steering angle.
     let steering = ops::atan(body.wheelbase_m * curvature);
     for (along_m, angle) in [(rear_axle, 0.0), (rear_axle + body.wheelbase_m, steering)] {
         for side in [-0.5, 0.5] {

@@ -129,6 +129,7 @@ impl Stamps {
             draw(&mut stamp, (half as f32, half as f32), self.side);
             stamp
         });
+        // To whole pixels, between which a stamp would be blurred.
         canvas.lay_over(stamp, (x.round() as i32 - half as i32, y.round() as i32 - half as i32));
     }
 }

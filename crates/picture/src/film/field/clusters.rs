@@ -46,6 +46,7 @@ pub struct Cluster<T> {
 /// Returns the squares that have places, in order of rows and columns. The lattice is shifted by a share of a square.
 fn clusters<T>(pane: &Pane, (square, shift): (f32, f64), places: impl Iterator<Item = (DVec2, T)>) -> Vec<Cluster<T>> {
     let side = f64::from(square * pane.unit());
+    // The lattice is fixed to the field, so that clusters stay together while the view moves.
     let origin = pane.projection.place(DVec2::ZERO);
     let mut squares: BTreeMap<(i32, i32), (DVec2, Vec<T>)> = BTreeMap::new();
     for (point, what) in places {

@@ -91,6 +91,7 @@ impl GroundView {
         let covers = cover_colours(setting.spread.as_ref()?.landscape());
         let mut view = Self {
             covers,
+            // Infinite where fire never comes, so that no time of the run is past it.
             ignited_s: vec![f32::INFINITY; frame.cell_count()],
             ends_s: vec![f32::INFINITY; frame.cell_count()],
             is_special: vec![false; frame.cell_count()],

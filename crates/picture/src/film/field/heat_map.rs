@@ -83,6 +83,7 @@ impl<'a> HeatMap<'a> {
     /// Lays the bushes of a row of pixels over what is there. `shares` has room for them, and is zero before and after.
     fn draw_row(&self, canvas: &mut Canvas, pixel_row: usize, kinds: &[BushStateKind], shares: &mut [[u32; 4]]) {
         let top = pixel_row as i32 * PARTS;
+        // Rows of bushes have one edge more than there are rows.
         let count = self.rows.len() - 1;
         // Only rows of bushes that the row of pixels touches are gone through, found by bisection.
         let first = self.rows[1..].partition_point(|&north| north >= top + PARTS);
@@ -103,6 +104,7 @@ impl<'a> HeatMap<'a> {
             }
         }
         let pixels = &mut canvas.row_from(self.across.start, pixel_row)[..self.across.len()];
+        // Taken and not copied: the next row of pixels needs shares of zero.
         for (pixel, shares) in pixels.iter_mut().zip(&mut shares[self.across.clone()]) {
             lay_shares(pixel, std::mem::take(shares));
         }
@@ -129,6 +131,7 @@ fn lay_shares(pixel: &mut [u8; 4], shares: [u32; 4]) {
     if all == 0 {
         return;
     }
+    // Signed, as the mixed colour may be darker than what lies below.
     let opacity = i64::from(all.min(WHOLE));
     let colours = BushStateKind::ALL.map(bush_colour);
     for (channel, under) in pixel[..3].iter_mut().enumerate() {

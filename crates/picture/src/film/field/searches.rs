@@ -82,6 +82,7 @@ pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownS
     for ShownSearch { graph, style, .. } in searches {
         let width = style.width * pane.unit();
         let radius = style.disc * pane.cell_side();
+        // Never 0, as shares are made by dividing by it.
         let max = graph.edges.len().saturating_sub(1).max(1) as f64;
         for (index, ends) in graph.lines().enumerate() {
             let ends = ends.map(|end| pane.at(end));

@@ -103,6 +103,7 @@ impl ValueMap {
         let within = |first: i32, last: i32, side: u32| first.max(0) as u32..(last.max(0) as u32).min(side);
         let middle = |x: u32, y: u32| pane.projection.world((f64::from(x) + 0.5, f64::from(y) + 0.5));
         let columns = within(from.0, to.0, pane.size.0);
+        // Columns once for all rows, as each side of a square follows from one coordinate of the pixel.
         let squares: Vec<usize> = columns.clone().map(|x| self.square(middle(x, 0).x, self.values.cols())).collect();
         for y in within(from.1, to.1, pane.size.1) {
             let values = self.values.row(self.square(middle(0, y).y, self.values.rows()));

@@ -88,6 +88,7 @@ fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
     }
     if let Some(leg) = run.index().leg_at(agent, state.time) {
         let trajectory = leg.trajectory(run.timeline());
+        // Metres along the leg, from where the agent is now to the end.
         let window = [trajectory.distance_m(state.time), trajectory.distance_m(SimTime::MAX)];
         for stretch in stretches(trajectory, window, pane.projection.pixels_per_metre) {
             let dashes = if stretch.is_reverse { REVERSE } else { FORWARD };
@@ -95,6 +96,7 @@ fn draw_planned(canvas: &mut Canvas, pane: &Pane, agent: usize) {
                 draw_stretch(canvas, pane, &stretch, pen, Some(MARKED_DASHES));
                 continue;
             }
+            // A pale line beneath keeps dashes visible on dark ground.
             let width = WIDTH * pane.unit();
             let halo = Pen { ink: Ink { colour: PAPER, opacity: 0.75 }, width: 2.0 * width };
             draw_stretch(canvas, pane, &stretch, halo, None);

@@ -54,6 +54,7 @@ pub fn draw_wind(canvas: &mut Canvas, pane: &Pane) {
     let centre = (left + 0.5 * width, top + padding + dial);
     canvas.fill_disc(centre, dial, FAINT_INK);
     canvas.fill_disc(centre, dial - unit, PAPER);
+    // The notch marks north, which is up on the field.
     canvas.fill_rect(centre.0 - 0.75 * unit, centre.1 - dial, 1.5 * unit, 4.0 * unit, INK);
     if !is_calm {
         let right = (wind.x / speed) as f32;
@@ -75,6 +76,7 @@ fn draw_wind_field(canvas: &mut Canvas, pane: &Pane, field: &WindField) {
         apart_m += ARROWS_APART_M;
     }
     let step = ((apart_m / frame.cell_m).round() as usize).max(1);
+    // Never 0, by which lengths would be divided in a calm.
     let fastest = field.speeds()[1].max(0.05);
     let half = 0.4 * pane.cell_side() * step as f32;
     for row in (step / 2..frame.rows.into()).step_by(step) {

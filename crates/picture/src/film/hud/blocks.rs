@@ -109,6 +109,7 @@ pub fn counts_block(view: &HudView) -> PanelBlock {
 fn ground_fire_lines(view: &HudView) -> Vec<PanelLine> {
     let line = |name: &str, tell: &dyn Fn(usize, &RunView, &GroundIndex) -> String| {
         let texts = view.runs.iter().enumerate().map(|(index, run)| {
+            // Only called if `is_of_ground` holds, which is about all runs.
             let ground = run.index().ground().expect("all runs have ground");
             tell(index, run, ground)
         });

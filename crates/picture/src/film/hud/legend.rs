@@ -53,6 +53,7 @@ pub fn run_sentence(setting: &Setting) -> String {
     let them = if lights.is_some() { "them" } else { "it" };
     let fights = trucks.map_or_else(|| format!("no truck fights {them}"), |trucks| format!("{trucks} {them}"));
     let mut lights = lights.unwrap_or_else(|| "fire spreads".to_owned());
+    // All of these sentences begin with an ASCII letter.
     lights[..1].make_ascii_uppercase();
     let [width, height] = [setting.frame.width_m(), setting.frame.height_m()].map(length);
     format!("{lights} and {fights}, on a field of {width} by {height}.")
@@ -117,6 +118,7 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
     let numbers = (0..=u8::MAX).filter(|&number| has_fuel[usize::from(number)]);
     let covers: BTreeSet<GroundCover> = numbers.map(GroundCover::from_fuel).collect();
     covers.iter().for_each(|cover| add(LegendSign::Ground(cover.colour()), cover.name()));
+    // Colours of fire are laid over those of the ground, so that they are shown on a ground of these runs.
     if let Some(cover) = covers.iter().find(|cover| cover.burns()) {
         let over = |colour, share| LegendSign::Cell(blend(cover.colour(), colour, share));
         add(LegendSign::Cell(FLAMING), "on fire");
@@ -161,6 +163,7 @@ fn is_there(runs: &[&RunView], entry: &LegendEntry) -> bool {
     let roles: Vec<Role> =
         runs.iter().flat_map(|run| &run.timeline().setting.agents).map(|agent| agent.id.role).collect();
     match entry.sign {
+        // Only the sign of reverse has gaps that are longer than its dashes, and Wumpuses never reverse.
         LegendSign::Line(dash, gap) if dash > 0.0 && dash < gap => roles.iter().any(|role| role.drives()),
         LegendSign::Line(..) => !roles.is_empty(),
         LegendSign::Cell(colour) if colour == LOST_LINE => {
@@ -195,6 +198,7 @@ impl LegendSign {
         match self {
             Self::Line(dash, gap) => {
                 let step = pen.text * (dash + gap);
+                // Without a gap, one dash takes the whole width.
                 let (dash, step) = if step > 0.0 { (pen.text * dash, step) } else { (wide, wide) };
                 let mut from = 0.0;
                 while from < wide {

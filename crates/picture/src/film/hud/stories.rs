@@ -150,6 +150,7 @@ fn bush_story(run: &RunView, cell: Cell, now: SimTime) -> Option<Vec<PanelLine>>
             burns_since = Some(event.time);
         }
     }
+    // Of many changes the last ones matter.
     let dropped = lines.len().saturating_sub(2 * MAX_CHANGES);
     Some(lines.split_off(dropped))
 }
@@ -190,6 +191,7 @@ fn agent_story(run: &RunView, state: &State, id: AgentId, now: SimTime) -> Optio
         PanelLine::pair("cells", format!("{} {}", stats.cells, cells_word(id))),
         PanelLine::pair("routes planned", format!("{} ({} failed)", stats.plans, stats.failures)),
     ];
+    // A relocation that failed has no goal, and is left out here.
     if let Some(Fact::Agent(_, AgentFact::PlanFailed { reason, goal, .. })) =
         stats.last_failure.map(|at| &run.timeline().events[at].fact)
     {

@@ -201,6 +201,7 @@ impl RunData {
         let (timeline, index) = (run.timeline(), run.index());
         let setting = &timeline.setting;
         let frame = timeline.setting.frame;
+        // Many entries have the same text, so that tables hold the numbers of texts.
         let mut texts = Texts::default();
         let agents = setting.agents.iter().enumerate();
         let agents = agents.map(|(agent, start)| agent_data(run, agent, start, &mut texts)).collect();
@@ -290,6 +291,7 @@ fn step_table(run: &RunView, agent: usize, texts: &mut Texts) -> StepTable {
             _ => -1,
         });
     }
+    // Not of columns whose numbers stand for kinds: their differences are no smaller.
     let StepTable { time_ns, goal, plans, failures, expansions, cells, .. } = &mut table;
     for column in [time_ns, goal, plans, failures, expansions, cells] {
         *column = differences(column.iter().copied());

@@ -142,6 +142,7 @@ impl GroundData {
             for burning in index.burnings_of(frame.cell(cell)) {
                 burnings.cell.push(cell as i64);
                 burnings.ignited_ms.push(millis(burning.ignited));
+                // Fires that nothing ends have no length, for which -1 stands.
                 let is_endless = burning.ends == SimTime::MAX;
                 burnings.lasts_ms.push(if is_endless { -1 } else { millis(burning.ends) - millis(burning.ignited) });
                 burnings.is_put_out.push(burning.is_extinguished.into());

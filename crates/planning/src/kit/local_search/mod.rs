@@ -102,6 +102,7 @@ impl LocalSearch {
             let budget = self.settings.max_expansions;
             // What a stage did not spend falls to none of the later ones: each has its own part of the budget.
             let limit = self.expansions.saturating_add(part_of(budget, stage.effort)).min(budget);
+            // A copy, as `follow` borrows all of `self`.
             let query = PrimitiveQuery { checker: &self.checker.clone(), profile: &profile, start, waypoints, goal };
             match self.follow(&query, limit, observer) {
                 Ok(mut path) => {

@@ -51,6 +51,7 @@ impl PrmPrimitives {
         let field = checker.field();
         let safety = Safety::new(*field.frame(), field.occupied(), safety);
         let safety = Safety::on_ground(safety, field, context.ground).map(Arc::new);
+        // Milestones along roads come after the sampled ones, which so keep their numbers.
         let sampled = Roadmap::sampled(checker, prm, &mut rng).along_roads(context.ground).priced_by(safety.clone());
         let sampling = watch.elapsed_since_last();
         let roadmap = sampled.connected();
@@ -94,6 +95,7 @@ impl PrmPrimitives {
         observer.begins(Some(PlanningWork::Local));
         let path = route.and_then(|route| {
             let end = match (self.goal, goal, route.waypoints.last()) {
+                // The route ends at a milestone, so the drive has to end near it too, within the goal.
                 (RoadmapGoal::NearestMilestone, Goal::Disc(disc), Some(&last)) => {
                     disc_about(last, self.waypoint_tolerance_m, disc).into()
                 }

@@ -191,6 +191,7 @@ fn whole_roadmap(context: &PlannerContext<'_>) -> (Roadmap, BuildReport) {
     roadmap.add_milestones(poses);
     let (tried, components) = match settings.join {
         Join::AtOnce => (roadmap.join_components(), roadmap.components()),
+        // No curve has been swept yet, so connections are still open.
         Join::WhenNeeded => (0, 0),
     };
     roadmap.build_graph();

@@ -384,6 +384,7 @@ impl Roadmap {
             if !self.has_memory_for(1) {
                 return;
             }
+            // At the wanted clearance, by which components are counted.
             if self.is_free(edge as u32, 0) {
                 self.joined.union(a, b);
                 self.components -= 1;

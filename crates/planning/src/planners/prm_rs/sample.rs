@@ -89,10 +89,12 @@ impl<'a> Sampler<'a> {
     /// Returns poses that pass the convex corners of bushes, or of groups of them, at the clearance, in both directions: `places`
     /// of them at each corner.
     pub fn corner_samples(&mut self, places: u32) -> Vec<Pose> {
+        // The truck's side passes the corner at the clearance.
         let abeam_m = 0.5 * self.checker.body().width_m + self.clearance_m + CORNER_SPARE_M;
         let mut poses = Vec::new();
         for (corner, outwards) in convex_corners(self.checker.field(), &self.block) {
             for place in 0..places {
+                // Evenly within 45 degrees to either side of the bisector.
                 let spread = (2.0 * f64::from(place) + 1.0) / f64::from(places) - 1.0;
                 let bearing = outwards + spread * FRAC_PI_4;
                 let (sin, cos) = ops::sin_cos(bearing);
@@ -117,6 +119,7 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
     }
     let slope = |axis: DVec2| field.lower_bound(place + axis * PROBE_M) - field.lower_bound(place - axis * PROBE_M);
     let away = DVec2::new(slope(DVec2::X), slope(DVec2::Y));
+    // At a right angle to the way away from the bush.
     (away != DVec2::ZERO).then(|| ops::atan2(away.x, -away.y))
 }
 

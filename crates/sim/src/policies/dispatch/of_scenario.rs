@@ -53,6 +53,7 @@ fn rules(scenario: &Scenario) -> TeamRules {
         reach_m: scenario.suppression.reach_m,
         dwell: SimTime::from_seconds(scenario.suppression.dwell_s),
         extinguishes_all: scenario.suppression.extinguishes == Extinguishes::AllInReach,
+        // Under other models the team knows no time of spreading or burning out.
         spread: (is_radius && fire.sources_spread).then_some((fire.spread_radius_m, fire.spread_delay)),
         caught_spreads: fire.caught_spreads,
         burn_out: fire.burn_out.filter(|_| is_radius),

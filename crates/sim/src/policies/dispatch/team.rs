@@ -110,6 +110,7 @@ impl Team<'_> {
     pub fn refilled(&self, speed_mps: f64, from: DVec2, time: SimTime, stops_left: u32) -> (DVec2, SimTime) {
         let Some(water) = self.water else { return (from, time) };
         let place = water.nearest(from);
+        // It fills its tank within reach of the water, so that part of the way is not driven.
         let metres = ((place - from).length() - water.reach_m).max(0.0);
         let drive = SimTime::from_seconds(WAY_FACTOR * metres / speed_mps);
         (place, time + drive + water.fill_time(stops_left))
@@ -117,6 +118,7 @@ impl Team<'_> {
 
     /// Estimates the time of a truck's drive between two places, to within reach of the second.
     pub fn drive_time(&self, speed_mps: f64, from: DVec2, to: DVec2) -> SimTime {
+        // It stops as soon as the fire is in reach.
         let metres = ((to - from).length() - self.rules.reach_m.unwrap_or_default()).max(0.0);
         SimTime::from_seconds(WAY_FACTOR * metres / speed_mps)
     }

@@ -34,9 +34,11 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
             cells.filter(|&cell| team.intact.is_intact(cell)).map(move |cell| (cell, fire))
         })
         .collect();
+    // Sorted, so that fires that reach the same cell stand side by side.
     pairs.sort_unstable();
     let mut of_spreading = vec![0; spreading.len()];
     for same_cell in pairs.chunk_by(|one, next| one.0 == next.0) {
+        // A cell in reach of two fires is saved by stopping neither of them alone.
         if let &[(_, fire)] = same_cell {
             of_spreading[fire] += 1;
         }

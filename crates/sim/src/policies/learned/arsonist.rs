@@ -86,6 +86,7 @@ impl Around {
 
     /// Lists the inputs of the network for a cell, in the order of [`wildfire_scenario::Learned::LIGHT_INPUTS`].
     fn inputs(&self, from: DVec2, place: DVec2, thickness: f64) -> [f64; 7] {
+        // Where trucks are missing, they count as far away.
         let (mut first, mut second) = (FAR_M, FAR_M);
         for truck in &self.trucks {
             let metres = (*truck - place).length();
@@ -95,6 +96,7 @@ impl Around {
         let per_truck = self.fires.len() as f64 / self.trucks.len().max(1) as f64;
         let other = self.others.iter().map(|other| (*other - place).length()).fold(FAR_M, f64::min);
         let way = (place - from).length().min(FAR_M);
+        // Divisors that keep the inputs of the network near 1.
         [
             way / 100.0,
             thickness / 10.0,

@@ -208,6 +208,7 @@ fn of_agent(agent: AgentLabel, fact: &AgentFact, leg: Option<u32>) -> Happened<'
             Happened::PlanFailed { agent, goal, reason: PrintedWord(*reason), effort, until_ns: until.as_nanos() }
         }
         AgentFact::Dropped { goal, .. } => Happened::Dropped { agent, goal: pair(*goal), leg },
+        // A stop takes one portion unless the fire's heat decides; runs without such fires leave the field out.
         &AgentFact::Suppressing { cell, water_units } => Happened::Suppressing {
             agent,
             cell: pair(cell),
@@ -270,6 +271,7 @@ pub fn fires(index: &RunIndex<'_>) -> Vec<FireObject> {
 
 fn fires_of_bushes(index: &RunIndex<'_>) -> Vec<FireObject> {
     let mut fires: Vec<FireObject> = Vec::new();
+    // Fires that burn, by their place in the list: they end in another order than they begin.
     let mut burning = BTreeMap::new();
     let events = index.timeline().events.iter().take_while(|event| event.time <= index.end_time());
     for event in events {
@@ -294,6 +296,7 @@ fn fires_of_ground(index: &RunIndex<'_>) -> impl Iterator<Item = FireObject> {
     let log = &index.timeline().ground;
     let end = index.end_time();
     let frame = index.timeline().setting.frame;
+    // By cell and time, as a burning does not say who put it out.
     let extinctions: BTreeMap<(Cell, SimTime), AgentId> = log
         .iter()
         .filter_map(|event| match event.fact {

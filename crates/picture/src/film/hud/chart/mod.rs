@@ -60,6 +60,7 @@ impl ChartRenderer {
         let drawn = self.drawn.get_or_insert_with(|| Drawn::new(request.runs, layout, lettering));
         let x = cursor_x(layout, request.time, RunView::last_end(request.runs));
         let at = (layout.chart.left, layout.chart.top);
+        // Both drawings are kept: the pale one of what is to come, and over it the past up to the cursor.
         sheet.copy_from(&drawn.ahead, at);
         sheet.copy_columns(&drawn.past, x, at);
         draw_cursor(sheet, layout, x, request.runs);
@@ -304,6 +305,7 @@ fn draw_time_axis(ChartPen { canvas, lettering, plan, end, .. }: &mut ChartPen) 
     let base = plan.axis_base as f32;
     let max = (width / plan.length(BETWEEN_TIMES)) as usize;
     for tick in ticks(0.0, last, max.max(1), 0.0) {
+        // A run may end at the time at which it begins.
         let x = left + width * to_f32(tick.value / last.max(f64::MIN_POSITIVE));
         let mark = plan.length(0.35);
         let top = base - plan.length(1.7);

@@ -23,6 +23,7 @@ const STACKED: [BushStateKind; 4] =
 pub fn draw_stacked_counts(pen: &mut ChartPen, (top, height): RowRange, run: &RunView) {
     let mut colours = STACKED.map(|kind| pen.shade(bush_colour(kind)));
     if pen.scale != CountScale::All {
+        // A scale without the intact bushes leaves their part white.
         colours[3] = PAPER;
     }
     let (left, width) = pen.plan.columns;
@@ -150,8 +151,10 @@ pub fn draw_event_lanes(pen: &mut ChartPen, (top, height): RowRange, run: &RunVi
     let events = there.map(|lane| (lane.name, vec![(lane.colour, event_columns(run, width, end, lane))]));
     let verdicts = (!run.verdicts().is_empty()).then(|| ("decisions", verdict_columns(run, width, end)));
     let lanes: Vec<(&str, LaneMarks)> = events.chain(verdicts).collect();
+    // Never 0, as a run may have no event with a lane.
     let pitch = height / (lanes.len() as u32).max(1);
     for (index, (name, marks)) in (0..).zip(lanes) {
+        // One row of pixels stays free between two lanes.
         let (top, bottom) = (top + index * pitch, top + (index + 1) * pitch - 1);
         for (colour, columns) in marks {
             let colour = pen.shade(colour);

@@ -30,6 +30,7 @@ fn thin(space: &FreeSpace, start: DVec2, waypoints: &mut Vec<DVec2>) {
     let mut here = start;
     let mut next = 0;
     while next < waypoints.len() {
+        // From the far end, so that the first that is in sight leaves out as many as possible.
         let seen = (next + 1..waypoints.len()).rev().find(|&far: &usize| {
             line_is_free(space, kept == 0, here, waypoints[far])
                 && space.costs_no_more(here, &[waypoints[far]], &waypoints[next..=far])

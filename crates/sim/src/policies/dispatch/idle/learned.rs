@@ -38,6 +38,7 @@ impl LearnedPosts {
 
     /// Remembers fires that arsonists have lit: where only those spread, the others are left out.
     fn remember(&mut self, team: &Team<'_>) {
+        // Where only sources spread, a fire that will spread is the work of an arsonist.
         let tells = team.rules.spread.is_some() && !team.rules.caught_spreads;
         for fire in team.fires.iter().filter(|fire| !tells || fire.spreads_at < SimTime::MAX) {
             if !self.ignitions.iter().any(|(cell, _, since)| (*cell, *since) == (fire.cell, fire.since)) {
@@ -53,6 +54,7 @@ impl LearnedPosts {
         let mut weight = 1.0;
         for (_, place_ignited, since) in &self.ignitions {
             let age_s = now.since(*since).as_seconds();
+            // Hundreds of metres and minutes keep the inputs of the network near 1.
             weight += self.network.value(&[(*place_ignited - place).length() / 100.0, age_s / 60.0, idle_share]);
         }
         weight.max(MIN)

@@ -72,8 +72,10 @@ pub fn spread_out(blocks: &[BushBlock], sites: &mut [DVec2]) {
             let (site, squared) = nearest(sites, block.place);
             sums[site].0 += block.bushes * block.place;
             sums[site].1 += block.bushes;
+            // Bushes times squared distance: what Lloyd's iteration makes smaller.
             worst_first.push((block.bushes * squared, number));
         }
+        // Ties by number, so that runs are reproducible.
         worst_first.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut worst = worst_first.into_iter().map(|(_, number)| blocks[number].place);
         let mut farthest_m: f64 = 0.0;
