@@ -15,7 +15,7 @@
 //!   durations, the timeline lets a leg end at the next one, so they are apart by at most d = 1 ns + s T, the second
 //!   part from sums in seconds. In that time a body moves by at most v d and turns by v k d. It may be on a
 //!   neighbouring piece then, which is why v and k are those of the leg.
-//! - **A negligible amount**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes an
+//! - **A negligible amount**, [`SAME_POSE`], is granted on top, so that no rounding that was overlooked here makes a
 //!   violation of a proper run.
 //!
 //! In `contest` that makes 1.01e-6 m and 1.001e-6 rad. At the limits of what scenarios may ask for, 1000 m/s with a

@@ -90,7 +90,8 @@ impl Spotting {
         let cover = if self.open { 0.5 * self.cover_ft } else { self.cover_ft };
         spot.cover_ft = cover.max(2.2 * ops::pow(height, 0.337) - 4.0).max(0.0);
         spot.flat_mi = spot.drift_mi;
-        if spot.cover_ft > 0.0 {
+        // Where nothing is lifted, only the drift is left: the logarithm of 0 has no value.
+        if spot.cover_ft > 0.0 && height > 0.0 {
             let ratio = height / spot.cover_ft;
             let fall = 0.362 + 0.5 * ratio.sqrt() * ops::ln(ratio);
             spot.flat_mi += 0.000718 * wind * spot.cover_ft.sqrt() * fall;
@@ -174,6 +175,8 @@ mod tests {
         let source = Source::TorchingTrees { trees: 15.0, species: &SPECIES[0], dbh_in: 20.0, height_ft: 30.0 };
         let trees = Spotting { source, ..PILE }.distance();
         assert!((trees.flame_ft - 179.1).abs() < 0.1 && (trees.flame_duration - 3.405).abs() < 1e-3, "{trees:?}");
+        let unlit = Spotting { source: Source::BurningPile { flame_ft: 0.0 }, ..PILE }.distance();
+        assert_eq!((unlit.flat_mi, unlit.mountain_mi), (0.0, 0.0));
         let source = Source::SurfaceFire { flame_ft: 10.0 };
         let surface = Spotting { source, ..PILE }.distance();
         let source = Source::BurningPile { flame_ft: surface.firebrand_ft / 12.2 };

@@ -18,7 +18,11 @@ pub const WASI: &str = "wasi_snapshot_preview1";
 const SUCCESS: i32 = 0;
 const BAD_DESCRIPTOR: i32 = 8;
 const FAULT: i32 = 21;
+const INVALID: i32 = 28;
 const NOT_SUPPORTED: i32 = 58;
+
+/// The most buffers of one call, as many as Linux takes: a list costs time, and only what is moved counts as instructions.
+const MAX_BUFFERS: u32 = 1024;
 
 /// The most bytes of stderr that are kept: the beginning of what a module writes between two answers.
 const MAX_STDERR_BYTES: usize = 4096;
@@ -115,6 +119,9 @@ impl Caller<'_> {
 
     /// The place and the length of each buffer in a list.
     fn buffers(&self, list: u32, count: u32) -> Access<Vec<(u32, u32)>> {
+        if count > MAX_BUFFERS {
+            return Err(HostError::Number(INVALID));
+        }
         let pairs = self.read(list, count.checked_mul(8).ok_or(OUTSIDE)?)?;
         let word = |bytes: &[u8]| u32::from_le_bytes(bytes.try_into().expect("four bytes"));
         Ok(pairs.chunks_exact(8).map(|pair| (word(&pair[..4]), word(&pair[4..]))).collect())
@@ -140,6 +147,8 @@ fn fd_read(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> Ac
     let mut moved = 0;
     for (at, length) in caller.buffers(list, count)? {
         let take = (length as usize).min(caller.host.input.len());
+        // Nothing is taken that has no place to go.
+        caller.read(at, take as u32)?;
         let bytes: Vec<u8> = caller.host.input.drain(..take).collect();
         caller.write(at, &bytes)?;
         moved += take;
@@ -154,14 +163,15 @@ fn fd_write(caller: &mut Caller<'_>, [fd, list, count, moved_at]: [u32; 4]) -> A
     }
     let mut all = 0u32;
     for (at, length) in caller.buffers(list, count)? {
-        let bytes = caller.read(at, length)?.to_vec();
+        let host = &*caller.host;
+        let room = if fd == 1 { host.max_output - host.output.len() } else { MAX_STDERR_BYTES - host.stderr.len() };
+        let bytes = caller.read(at, length)?;
+        // Only what is kept is copied: a call that fails later is not charged.
+        let taken = bytes[..bytes.len().min(room)].to_vec();
         all = all.checked_add(length).ok_or(OUTSIDE)?;
         let host = &mut *caller.host;
-        let (to, max) =
-            if fd == 1 { (&mut host.output, host.max_output) } else { (&mut host.stderr, MAX_STDERR_BYTES) };
-        let room = max - to.len();
-        to.extend(bytes.iter().take(room));
-        if fd == 1 && bytes.len() > room {
+        if fd == 1 { &mut host.output } else { &mut host.stderr }.extend(taken);
+        if fd == 1 && length as usize > room {
             return Err(HostError::Stop(StopCause::Flood));
         }
     }

@@ -295,6 +295,17 @@ fn functions_give_their_slots_back_whichever_way_they_end() {
 }
 
 #[test]
+fn lists_of_very_many_buffers_are_refused_before_they_are_read() {
+    // 28 is INVAL; 1024 buffers of no bytes are written.
+    let then = "(i32.store8 (i32.const 1024) (i32.add (i32.const 48)
+            (call $fd_write (i32.const 1) (i32.const 4096) (i32.const 1025) (i32.const 8))))
+        (i32.store8 (i32.const 1025) (i32.add (i32.const 48)
+            (call $fd_write (i32.const 1) (i32.const 4096) (i32.const 1024) (i32.const 8))))
+        (i32.store8 (i32.const 1026) (i32.const 10)) (call $answer (i32.const 1024) (i32.const 3))";
+    assert_eq!(answer_of(then).expect("an answer").line, [48 + 28, 48, b'\n']);
+}
+
+#[test]
 fn any_change_of_a_byte_is_a_sentence_or_a_module() {
     let bytes = command(OK);
     let mut refused = 0;

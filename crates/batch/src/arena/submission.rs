@@ -60,7 +60,7 @@ impl TrackCheck {
             failed,
             // Without any score the mean is 0 and not NaN, which JSON cannot express.
             score: scores.iter().sum::<f64>() / scores.len().max(1) as f64,
-            effort: played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len() as f64,
+            effort: played.iter().map(|it| it.row.effort as f64).sum::<f64>() / played.len().max(1) as f64,
             failed_queries: queries.failed(),
             queries: queries.total(),
             reasons: of_planner.into_iter().chain(policy_queries.of_policies(None)).collect(),

@@ -208,7 +208,7 @@ impl GradePlan {
         let points = self.rules.points;
         // Listed although not played, so that the maximum of points is that of every entry.
         let others = [(NO_CRASH, points.no_crash), (NO_VIOLATION, points.no_violation)];
-        let baselines = self.rules.baselines.iter().map(|name| (beats(name), points.baseline));
+        let baselines = self.rules.baselines.iter().map(|name| (beats(name), self.rules.points_of_baseline(name)));
         let effort = self.rules.max_expansions.map(|_| (EFFORT_WITHIN.to_owned(), points.effort));
         let score = (!self.rules.marks.is_empty()).then(|| (SCORE.to_owned(), self.rules.max_points_of_score()));
         let others = others
@@ -266,7 +266,8 @@ impl GradePlan {
         for (name, theirs) in self.rules.baselines.iter().zip(means) {
             let is_better = self.better.best_first(score, theirs).is_lt();
             let output = format!("Mean {metric}: {}; of the baseline: {}.", rounded(score, 2), rounded(theirs, 2));
-            tests.push(GradedTest::new(beats(name), is_better && !has_violation, points.baseline, output));
+            let points = self.rules.points_of_baseline(name);
+            tests.push(GradedTest::new(beats(name), is_better && !has_violation, points, output));
         }
         if let Some(max) = self.rules.max_expansions {
             let effort = ours.iter().map(GradedRun::effort).sum::<f64>() / runs as f64;

@@ -10,6 +10,9 @@ use crate::stats::distributions::normal_two_sided;
 /// Up to this many differences that are not zero, the p-value is exact, with ties and zeros as they are.
 const EXACT_UP_TO: usize = 50;
 
+/// Up to this sum of doubled ranks, too: among very many zeros ranks are high, and the sums of all choices would fill memory.
+const EXACT_UP_TO_SUM: u64 = 1_000_000;
+
 /// The rank sums of the differences above and below zero, and the test that they are equal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignedRanks {
@@ -23,8 +26,8 @@ pub struct SignedRanks {
 impl SignedRanks {
     /// Tests differences; `None` if all are zero.
     ///
-    /// The p-value counts all choices of signs up to 50 differences; beyond, it is that of the normal distribution with
-    /// the exact variance, which ties and zeros lessen, without a correction for continuity.
+    /// The p-value counts all choices of signs up to 50 differences among some 10,000 pairs; beyond, it is that of the normal
+    /// distribution with the exact variance, which ties and zeros lessen, without a correction for continuity.
     pub fn from_differences(differences: &[f64]) -> Option<Self> {
         let ranked = ranked(differences);
         if ranked.is_empty() {
@@ -32,7 +35,7 @@ impl SignedRanks {
         }
         let sum_where = |above: bool| ranked.iter().filter(|rank| rank.above == above).map(|rank| rank.doubled).sum();
         let (above, below): (u64, u64) = (sum_where(true), sum_where(false));
-        let p_value = if ranked.len() <= EXACT_UP_TO {
+        let p_value = if ranked.len() <= EXACT_UP_TO && above + below <= EXACT_UP_TO_SUM {
             // Ranks are doubled, so that the mean ranks of ties are integers and the counting of sign choices is exact.
             exact_p_value(&ranked, above.min(below))
         } else {
@@ -139,6 +142,13 @@ mod tests {
         assert_close(found.rank_biserial(), 9.0 / 14.0);
         // Of 16 choices of signs, the sums 0, 2.5, 2.5 are at most 2.5.
         assert_close(found.p_value, 2.0 * 3.0 / 16.0);
+    }
+
+    #[test]
+    fn very_many_zeros_cost_no_memory() {
+        let differences: Vec<f64> = (0..3_000_000).map(|index| f64::from(u8::from(index < 40))).collect();
+        let found = test(&differences);
+        assert!(found.zeros == 2_999_960 && found.p_value < 1e-8, "{found:?}");
     }
 
     #[test]

@@ -146,9 +146,11 @@ impl Drawing {
         );
         for mark in &self.marks {
             let written = match mark {
+                // Letters after it would be as transparent as the area.
                 DrawingMark::Area { corners, colour, opacity } => writeln!(
                     pgf,
-                    "{}\\pgfsetfillcolor{{wildfire}}\\pgfsetfillopacity{{{opacity}}}{}\\pgfpathclose\\pgfusepath{{fill}}",
+                    "{}\\pgfsetfillcolor{{wildfire}}\\pgfsetfillopacity{{{opacity}}}{}\\pgfpathclose\\pgfusepath{{fill}}\
+                     \\pgfsetfillopacity{{1}}",
                     defined(*colour),
                     path(corners, point)
                 ),

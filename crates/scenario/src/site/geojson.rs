@@ -108,14 +108,18 @@ pub(crate) fn covered_cells(
     let lines = road_cells(text, frame, layers)?;
     Ok(match (area, lines) {
         (Ok(area), Ok(lines)) => Ok(area.iter().zip(&lines).map(|(one, other)| one | other).collect()),
-        (Ok(cells), Err(_)) | (Err(_), Ok(cells)) => Ok(cells),
+        // A file need not have both, but what is wrong with either is said.
+        (Ok(cells), Err(fault)) | (Err(fault), Ok(cells)) => {
+            if fault.starts_with(NO_POLYGON) || fault.starts_with(NO_LINE) { Ok(cells) } else { Err(fault) }
+        }
         // What is wrong with polygons is said if there are any, as a file without lines has none that could be wrong.
         (Err(area), Err(lines)) => Err(if area.starts_with(NO_POLYGON) { lines } else { area }),
     })
 }
 
-/// The beginning of the sentence on a text without polygons.
+/// The beginnings of the sentences on a text without polygons and on one without lines.
 const NO_POLYGON: &str = "it has no polygon";
+const NO_LINE: &str = "it has no line";
 
 /// Points of a ring up to which it is looked at for crossings: every pair of its edges is compared.
 const MAX_RING: usize = 5000;
@@ -330,7 +334,7 @@ impl Shapes {
     /// Marks the cells that lines cross.
     fn crossed(&self, frame: &FieldFrame, layers: Option<&ImportedLayers>) -> Result<Vec<u8>, String> {
         if self.points.is_empty() {
-            return Err("it has no line; expected a LineString or a MultiLineString".into());
+            return Err(format!("{NO_LINE}; expected a LineString or a MultiLineString"));
         }
         let system = self.check_system(layers)?;
         let (low, high) = self.bounds();
@@ -658,6 +662,22 @@ mod tests {
             .rev()
             .map(|row| row.iter().map(|&road| if road == 1 { '#' } else { '.' }).collect())
             .collect())
+    }
+
+    #[test]
+    fn a_fault_of_polygons_is_said_beside_right_lines() {
+        let line = r#"{"type": "LineString", "coordinates": [[0,5],[50,5]]}"#;
+        let polygon = |points: &str| format!(r#"{{"type": "Polygon", "coordinates": [{points}]}}"#);
+        let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
+        let covered = |geometries: &str| {
+            let text = format!(r#"{{"type": "GeometryCollection", "geometries": [{geometries}]}}"#);
+            covered_cells(&text, &frame, None).expect("GeoJSON").map(|cells| cells.iter().filter(|&&cell| cell == 1).count())
+        };
+        assert_eq!(covered(line), Ok(5));
+        assert_eq!(covered(&format!("{line}, {}", polygon("[[0,10],[20,10],[20,30],[0,30],[0,10]]"))), Ok(9));
+        let crossed = format!("{line}, {}", polygon("[[0,0],[40,40],[40,0],[0,40],[0,0]]"));
+        let outside = format!("{line}, {}", polygon("[[900,0],[940,0],[940,40],[900,0]]"));
+        assert!(covered(&crossed).is_err() && covered(&outside).is_err());
     }
 
     #[test]

@@ -298,6 +298,11 @@ pub(crate) fn read_list(path: &Path, text: &str, end_s: f64) -> Result<Vec<WindC
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut units = None;
     let mut start = None;
+    // Only a line of 29 February says that the year is a leap year.
+    let leap_day = u32::from(text.lines().any(|line| {
+        let mut cells = line.split_whitespace().map(str::parse::<u32>);
+        (cells.next(), cells.next()) == (Some(Ok(2)), Some(Ok(29)))
+    }));
     let mut changes: Vec<WindChange> = Vec::new();
     let lines = text.lines().zip(1_usize..).map(|(line, number)| (line.trim(), number));
     // The first line is the heading by which the list was recognised.
@@ -327,9 +332,10 @@ pub(crate) fn read_list(path: &Path, text: &str, end_s: f64) -> Result<Vec<WindC
         }
         // Lists have no year: what seems to be before the first line is of the next one.
         const DAYS_BEFORE: [u32; 12] = [0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334];
-        let minute = (DAYS_BEFORE[month as usize - 1] + day - 1) * 1440 + time / 100 * 60 + time % 100;
+        let days = DAYS_BEFORE[month as usize - 1] + day - 1 + if month > 2 { leap_day } else { 0 };
+        let minute = days * 1440 + time / 100 * 60 + time % 100;
         let first = *start.get_or_insert(minute);
-        let minutes = if minute < first { minute + 365 * 1440 - first } else { minute - first };
+        let minutes = if minute < first { minute + (365 + leap_day) * 1440 - first } else { minute - first };
         let at_s = 60.0 * f64::from(minutes);
         if changes.last().is_some_and(|before: &WindChange| at_s <= before.at_s) {
             return refused("a time after that of the line before");
@@ -518,6 +524,9 @@ mod tests {
             (winds[1].from.as_deref(), winds[1].units),
             (Some(Path::new("winds/b_ang.asc")), WindUnits::English)
         );
+        let times = |body: &str| list(body).expect("it is right").iter().map(|wind| wind.at_s).collect::<Vec<_>>();
+        assert_eq!(times("METRIC\n2 29 2300 a b\n3 1 0 c d"), [0.0, 3600.0]);
+        assert_eq!(times("METRIC\n2 28 2300 a b\n3 1 0 c d"), [0.0, 3600.0]);
         for (body, expected) in [
             ("", "it names no rasters"),
             ("1 1 0 a b", "line 2: found `1 1 0 a b`, expected ENGLISH or METRIC"),

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::JournalError;
-use super::line::{Entry, Head, decode};
+use super::line::{Entry, Head, damaged_at, decode};
 use crate::execute::{RunRow, Status};
 use crate::plan::{BatchPlan, Slice};
 
@@ -250,9 +250,10 @@ impl<'a> RowReader<'a> {
     /// resuming would believe them.
     pub fn row(&mut self, run: u64) -> Result<RunRow, JournalError> {
         let place = self.index.slice.place_of(run).expect("the run is one of this slice");
-        self.read_unchanged_line(usize::try_from(place).expect("it is in memory"))?;
+        let place = usize::try_from(place).expect("it is in memory");
+        self.read_unchanged_line(place)?;
         // The line was read before, so what is wrong now is a change of the format.
-        decode(&self.line).map_err(|reason| JournalError::Damaged { path: self.path.clone(), line: place + 2, reason })
+        decode(&self.line).map_err(|reason| damaged_at(&self.path, self.index.offsets[place], reason))
     }
 
     /// Refuses a journal with a line that is not the one that was written, as [`Self::row`] does.

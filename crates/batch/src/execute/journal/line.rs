@@ -1,7 +1,12 @@
 //! A line of a journal: a checksum and JSON.
 
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
+use super::JournalError;
 use crate::execute::{RunRow, Status};
 use crate::plan::{Record, Slice};
 
@@ -106,6 +111,50 @@ fn checked(line: &[u8]) -> Result<&[u8], String> {
     });
     let Some((checksum, json)) = found else { return Err("it does not begin with a checksum".into()) };
     if crc32fast::hash(json) == checksum { Ok(json) } else { Err("its checksum is wrong".into()) }
+}
+
+/// Returns the error on the line that begins at a byte: lines are in the order in which runs ended, so their numbers must be
+/// counted.
+pub fn damaged_at(path: &Path, offset: u64, reason: String) -> JournalError {
+    match (count_lines(path, 0), count_lines(path, offset)) {
+        (Ok(all), Ok(from_here)) => {
+            JournalError::Damaged { path: path.to_owned(), line: all.lines - from_here.lines + 1, reason }
+        }
+        (Err(error), _) | (_, Err(error)) => error,
+    }
+}
+
+/// Complete lines of a journal, and the first byte behind them.
+pub struct LineCount {
+    pub lines: u64,
+    pub end: u64,
+}
+
+/// Counts the complete lines of a journal from a byte on: a very cheap look at its progress. Contents of lines are not
+/// read.
+pub fn count_lines(path: &Path, from: u64) -> Result<LineCount, JournalError> {
+    count_lines_from(path, from).map_err(|source| JournalError::unreadable(path, source))
+}
+
+fn count_lines_from(path: &Path, from: u64) -> io::Result<LineCount> {
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::Start(from))?;
+    let mut reader = BufReader::with_capacity(1 << 18, file);
+    let (mut lines, mut read, mut end) = (0, from, from);
+    loop {
+        let part = reader.fill_buf()?;
+        if part.is_empty() {
+            return Ok(LineCount { lines, end });
+        }
+        for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
+            // Only whole lines count: the last one may be written just now.
+            lines += 1;
+            end = read + at as u64 + 1;
+        }
+        let bytes = part.len();
+        read += bytes as u64;
+        reader.consume(bytes);
+    }
 }
 
 #[cfg(test)]

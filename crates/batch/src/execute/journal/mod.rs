@@ -14,9 +14,9 @@ mod open;
 mod row_stream;
 
 pub use index::{FailedRuns, JournalIndex, RowReader, add_failed};
-pub use line::encode_row;
+pub use line::{count_lines, encode_row};
 pub use open::{LockedJournal, OpenJournal, open_to_read, plan_of_journal, seeds_of_journal, write_journal};
-pub use row_stream::{RowStream, StreamBudget, count_lines};
+pub use row_stream::{RowStream, StreamBudget};
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -5,13 +5,13 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Seek, SeekFrom};
+use std::io::ErrorKind;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::JournalError;
 use super::index::{LineStart, Lines, check_head, expect_same_row, read_line_at};
-use super::line::{Head, decode, run_of};
+use super::line::{Head, damaged_at, decode, run_of};
 use super::open::open_to_read;
 use crate::execute::{BatchError, Lock, OutputFolder, RunRow};
 use crate::plan::Slice;
@@ -179,46 +179,13 @@ impl RowStream {
                 read_line_at(file, offset).map_err(|source| JournalError::unreadable(&self.path, source))?
             }
         };
-        let path = &self.path;
-        decode(&line).map(Some).map_err(|reason| JournalError::Damaged { path: path.clone(), line: place + 2, reason })
+        let offset = self.offsets[in_memory(place)];
+        decode(&line).map(Some).map_err(|reason| damaged_at(&self.path, offset, reason))
     }
 }
 
 fn in_memory(place: u64) -> usize {
     usize::try_from(place).expect("the runs of a slice are counted in memory")
-}
-
-/// Complete lines of a journal, and the first byte behind them.
-pub struct LineCount {
-    pub lines: u64,
-    pub end: u64,
-}
-
-/// Counts the complete lines of a journal from a byte on: a very cheap look at its progress. Contents of lines are not
-/// read.
-pub fn count_lines(path: &Path, from: u64) -> Result<LineCount, JournalError> {
-    count_lines_from(path, from).map_err(|source| JournalError::unreadable(path, source))
-}
-
-fn count_lines_from(path: &Path, from: u64) -> io::Result<LineCount> {
-    let mut file = File::open(path)?;
-    file.seek(SeekFrom::Start(from))?;
-    let mut reader = BufReader::with_capacity(1 << 18, file);
-    let (mut lines, mut read, mut end) = (0, from, from);
-    loop {
-        let part = reader.fill_buf()?;
-        if part.is_empty() {
-            return Ok(LineCount { lines, end });
-        }
-        for (at, _) in part.iter().enumerate().filter(|(_, byte)| **byte == b'\n') {
-            // Only whole lines count: the last one may be written just now.
-            lines += 1;
-            end = read + at as u64 + 1;
-        }
-        let bytes = part.len();
-        read += bytes as u64;
-        reader.consume(bytes);
-    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The marks of a course: points for tests, and a table of scores and their points.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -20,6 +22,8 @@ pub struct GradingRules {
     pub marks: Vec<[f64; 2]>,
     /// Entries to beat: names of built-in planners, or entry files beside this file.
     pub baselines: Vec<String>,
+    /// Points for beating some of them, by name, in place of `points.baseline`.
+    pub baseline_points: BTreeMap<String, f64>,
     /// The most expansions per run, averaged over all runs.
     pub max_expansions: Option<f64>,
     pub points: TestPoints,
@@ -35,7 +39,7 @@ pub struct TestPoints {
     pub no_crash: f64,
     /// The audit of all runs found no violation.
     pub no_violation: f64,
-    /// The score is better than that of a baseline; points for each of them.
+    /// The score is better than that of a baseline, by whatever amount; points for each of them.
     pub baseline: f64,
     /// The effort is at most `max_expansions`.
     pub effort: f64,
@@ -47,6 +51,7 @@ impl Default for GradingRules {
             metric: "saved".into(),
             marks: Vec::new(),
             baselines: Vec::new(),
+            baseline_points: BTreeMap::new(),
             max_expansions: None,
             points: TestPoints::default(),
         }
@@ -69,8 +74,12 @@ impl GradingRules {
     /// Refuses values that give no points.
     pub(super) fn check(&self) -> Result<(), GradingFault> {
         let TestPoints { valid, no_crash, no_violation, baseline, effort } = self.points;
-        if [valid, no_crash, no_violation, baseline, effort].iter().any(|points| !(0.0..=1e6).contains(points)) {
+        let all = [valid, no_crash, no_violation, baseline, effort];
+        if all.iter().chain(self.baseline_points.values()).any(|points| !(0.0..=1e6).contains(points)) {
             return fault("points", "expected points from 0 to 1000000");
+        }
+        if let Some(name) = self.baseline_points.keys().find(|name| !self.baselines.contains(name)) {
+            return fault("baseline_points", &format!("`{name}` is none of the baselines"));
         }
         // Points between two marks are interpolated, which needs an order.
         let is_rising = self.marks.windows(2).all(|rows| rows[0][0] < rows[1][0]);
@@ -103,6 +112,11 @@ impl GradingRules {
         }))
     }
 
+    /// Returns the points for a score that is better than that of a baseline.
+    pub fn points_of_baseline(&self, name: &str) -> f64 {
+        self.baseline_points.get(name).copied().unwrap_or(self.points.baseline)
+    }
+
     /// Returns the most points that the table of marks gives.
     pub fn max_points_of_score(&self) -> f64 {
         self.marks.iter().fold(0.0, |max, row| max.max(row[1]))
@@ -128,5 +142,19 @@ mod tests {
         assert_eq!(points, [0.0, 0.0, 15.0, 30.0, 35.0, 40.0, 40.0].map(Some));
         assert_eq!(rules.max_points_of_score(), 40.0);
         assert_eq!(GradingRules::default().points_of(3.0), None);
+    }
+
+    #[test]
+    fn single_baselines_can_have_other_points() {
+        let rules: GradingRules = toml::from_str(
+            r#"baselines = ["lattice", "prm-rs"]
+            baseline_points = { prm-rs = 20 }"#,
+        )
+        .expect("rules");
+        assert!(rules.check().is_ok());
+        assert_eq!(["lattice", "prm-rs"].map(|name| rules.points_of_baseline(name)), [10.0, 20.0]);
+        let baseline_points = BTreeMap::from([("hybrid-astar".to_owned(), 20.0)]);
+        let refused = GradingRules { baseline_points, ..rules }.check().expect_err("it is no baseline");
+        assert_eq!((refused.key, refused.message.as_str()), ("baseline_points", "`hybrid-astar` is none of the baselines"));
     }
 }

@@ -54,9 +54,9 @@ fn facets(variants: usize, labels: &Labels) -> Vec<Facet> {
     let in_panels: Vec<usize> = all.iter().copied().filter(|index| !in_series.contains(index)).collect();
     let names = labels.distinct(&in_series);
     let mut panels: Vec<Facet> = Vec::new();
-    // The variants are then divided in their order, as many to a panel as there are styles to distinguish them.
+    // Nothing takes few enough values.
     if in_series.is_empty() && !all.is_empty() {
-        // Nothing takes few enough values.
+        // The variants are divided in their order, as many to a panel as there are styles to distinguish them.
         for (index, name) in labels.distinct(&all).into_iter().enumerate() {
             if index % STYLES.len() == 0 {
                 panels.push(Facet { name: String::new(), series: Vec::new() });
