@@ -106,7 +106,7 @@ fn difference_that_is_there_is_found_and_said() {
     // Seeds 1 to 60 have every remainder twelve times: 4 + 2 in the mean.
     assert!((judged.contrast.difference - 6.0).abs() < 1e-9);
     let sentence = judged.sentence('B');
-    assert!(sentence.starts_with("B saves 6.00 more obstacles per run, 95 % interval 5."), "{sentence}");
+    assert!(sentence.starts_with("B saves 6.00 more bushes per run, 95 % interval 5."), "{sentence}");
 }
 
 #[test]

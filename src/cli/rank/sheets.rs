@@ -94,7 +94,9 @@ fn sheet(ranking: &Ranking, place: usize, entry: &RankedEntry, plan: Option<&Bat
     match planned {
         Some(_) => {
             sheet.add(Block::Text(
-                "Runs are numbered by seeds that stay secret. These commands play others by the same rules:".into(),
+                "Runs are numbered in the order of their seeds, which this page does not name. These commands play seeds 1 to 20 \
+                 by the same rules:"
+                    .into(),
             ));
             sheet.add(Block::Verbatim(if trust {
                 REPLAY.replace(" --out", " --trust --out").replace(" --page", " --trust --page")

@@ -52,10 +52,10 @@ pub type NamedMetric = Column<fn(()) -> MetricKind>;
 #[rustfmt::skip]
 pub const NAMED_METRICS: &[NamedMetric] = columns! { NamedMetric, _run;
     saved: Count Cells "bush cells that did not burn, or were put out" = MetricKind::Sum(SAVED), title("Saved"),
-        better(Higher), phrase("$ saves", "more obstacles per run", "fewer obstacles per run"),
+        better(Higher), phrase("$ saves", "more bushes per run", "fewer bushes per run"),
         aim("saved the most bushes", ["saved", " of the bushes"], "points more");
     burned: Count Cells "bush cells that burn or have burned out" = MetricKind::Sum(BURNED), better(Lower),
-        phrase("$ loses", "more obstacles per run", "fewer obstacles per run");
+        phrase("$ loses", "more bushes per run", "fewer bushes per run");
     truck_won: Flag Share "whether the trucks won" = MetricKind::Answer { column: "winner", yes: "unimog" },
         better(Higher), phrase("with $ the truck wins", "more runs in 100", "fewer runs in 100"), scaled_by(100.0);
     wumpus_won: Flag Share "whether the Wumpuses won" = MetricKind::Answer { column: "winner", yes: "wumpus" },

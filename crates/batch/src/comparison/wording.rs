@@ -4,7 +4,7 @@ use crate::stats::Interval;
 use crate::table::Phrase;
 use wildfire_base::document::number::{rounded, two_digits};
 
-/// Returns a difference as a sentence: `B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4`. A metric without
+/// Returns a difference as a sentence: `B saves 6.1 more bushes per run, 95 % interval 4.8 to 7.4`. A metric without
 /// a phrase appears by its name.
 pub fn sentence(
     metric: &str,
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     const SAVES: Option<Phrase> =
-        Some(Phrase { subject: "$ saves", more: ["more obstacles per run", "fewer obstacles per run"], scale: 1.0 });
+        Some(Phrase { subject: "$ saves", more: ["more bushes per run", "fewer bushes per run"], scale: 1.0 });
     const WINS: Option<Phrase> = Some(Phrase {
         subject: "with $ the truck wins",
         more: ["more runs in 100", "fewer runs in 100"],
@@ -82,14 +82,14 @@ mod tests {
         let interval = Interval { low: 4.78, high: 7.41 };
         assert_eq!(
             sentence("saved", SAVES, 'B', 6.1, Some(interval)),
-            "B saves 6.1 more obstacles per run, 95 % interval 4.8 to 7.4"
+            "B saves 6.1 more bushes per run, 95 % interval 4.8 to 7.4"
         );
         let mirrored = Interval { low: -7.41, high: -4.78 };
         assert_eq!(
             sentence("saved", SAVES, 'C', -6.1, Some(mirrored)),
-            "C saves 6.1 fewer obstacles per run, 95 % interval 4.8 to 7.4"
+            "C saves 6.1 fewer bushes per run, 95 % interval 4.8 to 7.4"
         );
-        assert_eq!(sentence("saved", SAVES, 'B', 2.0, None), "B saves 2.0 more obstacles per run");
+        assert_eq!(sentence("saved", SAVES, 'B', 2.0, None), "B saves 2.0 more bushes per run");
         assert_eq!(sentence("truck_goals", None, 'B', -31.0, None), "truck_goals is 31 lower with B");
     }
 

@@ -55,6 +55,11 @@ pub enum DriveFailure {
 }
 
 impl DriveFailure {
+    /// Says whether there was a path, and the planner's gate refused it.
+    pub fn is_refusal(self) -> bool {
+        self == Self::Planner(PlanFailure::BadAnswer)
+    }
+
     /// Returns the failure with this name.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let planners = PlanFailure::ALL.map(Self::Planner);
@@ -73,6 +78,11 @@ impl fmt::Display for DriveFailure {
 }
 
 impl DriveQuery {
+    /// Returns what is wrong with a path that was refused, so that nobody drove or audited it.
+    fn refusal(&self) -> Option<&str> {
+        self.message.as_deref().filter(|_| self.failure.is_some_and(DriveFailure::is_refusal))
+    }
+
     /// Returns the figures of a path that reaches its goal and that the audit accepts.
     pub fn solved(&self) -> Option<&DriveFigures> {
         self.figures.as_ref().filter(|_| self.failure.is_none() && self.violation.is_none())
@@ -98,8 +108,8 @@ pub const DRIVE_COLUMNS: &[DriveColumn] = columns! { DriveColumn, query;
     cusps: optional Count None "changes between forward and reverse" = query.figures.map(|path| path.cusps);
     drive_s: optional Real Seconds "time of the drive" = query.figures.map(|path| path.drive_s);
     expansions: optional Count None "nodes expanded" = query.cost.map(|cost| cost.expansions);
-    violation: optional Text None "first violation found by the audit on the path"
-        = query.violation.as_deref().map(str::to_owned);
+    violation: optional Text None "first violation found by the audit on the path, or what is wrong with a refused one"
+        = query.violation.as_deref().or(query.refusal()).map(str::to_owned);
 };
 
 /// The column of tables of drives whose goals have certificates; it is the last.

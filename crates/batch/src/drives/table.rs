@@ -183,7 +183,7 @@ impl<'a> TableReading<'a> {
             b"false" => false,
             _ => return Err(reader.wrong_value(success, "true or false")),
         };
-        let violation = self.has_value(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
+        let mut violation = self.has_value(violation).then(|| String::from_utf8_lossy(reader.bytes(violation)).into());
         // A drive that is neither a success nor a violation must say why, or it would count as failed for no reason.
         let failure = (!success && violation.is_none() || self.has_value(reason))
             .then(|| {
@@ -191,6 +191,8 @@ impl<'a> TableReading<'a> {
                 failure.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"))
             })
             .transpose()?;
+        // What is wrong with a path that was refused is no violation: nobody drove it.
+        let message = violation.take_if(|_| failure.is_some_and(DriveFailure::is_refusal));
         // A drive whose path breaks the rules has no success, but its path has a length.
         let has_figures = success || self.has_value(self.place("length_m"));
         let figures = has_figures.then(|| self.figures()).transpose()?;
@@ -212,7 +214,7 @@ impl<'a> TableReading<'a> {
             failure,
             violation,
             certified_bound_m,
-            message: None,
+            message,
         })
     }
 

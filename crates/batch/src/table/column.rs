@@ -194,7 +194,7 @@ impl FileColumn {
     }
 }
 
-/// Words for a difference of a metric between two batches: `B saves 6.1 more obstacles per run`.
+/// Words for a difference of a metric between two batches: `B saves 6.1 more bushes per run`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phrase {
     /// The words before the amount, with `$` for the letter of the side: `$ saves`.

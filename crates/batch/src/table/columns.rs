@@ -182,7 +182,7 @@ pub const RUN_COLUMNS: &[RunColumn] = columns! { RunColumn, row;
         better(Lower);
     extinguished: optional Count Cells "bush cells extinguished by trucks" = outcome(row, |o| o.extinguished),
         title("Extinguished"), better(Higher),
-        phrase("$ extinguishes", "more obstacles per run", "fewer obstacles per run");
+        phrase("$ extinguishes", "more bushes per run", "fewer bushes per run");
     intact_ratio: optional Real Share "share of all bush cells" = outcome(row, Outcome::intact_ratio),
         title("Share intact"), better(Higher);
     burned_ratio: optional Real Share "share of all bush cells that burn or have burned out"
