@@ -13,9 +13,13 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
+
+try:
+    import gymnasium
+    from gymnasium import spaces
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError("this module needs gymnasium: pip install 'wildfire-contest[envs]'", name=error.name) from error
 
 from wildfire_contest import _core
 from wildfire_contest.policies import Policy

@@ -145,7 +145,7 @@ impl Panel {
             .collect();
         if let Some(difference) = difference {
             // The name of the last panel says what is subtracted from what, in the same order.
-            // From what is taken off to what it is taken off from.
+            // From what is subtracted to what it is subtracted from.
             panels.reverse();
             // A cell that burned on neither side has a difference of 0, and would be drawn as one that was examined.
             let burned: Vec<bool> = (0..difference.mean.len())
@@ -157,7 +157,7 @@ impl Panel {
             panels.iter_mut().for_each(Self::keep_drawing_only);
             let values = [("", difference.mean), ("-lower", difference.lower), ("-upper", difference.upper)];
             panels.push(Self {
-                title: format!("{} less {}", panels[1].title, panels[0].title),
+                title: format!("{} minus {}", panels[1].title, panels[0].title),
                 quantity: of_difference,
                 values: values.map(|(ending, values)| (ending.to_owned(), values)).into(),
                 shown,

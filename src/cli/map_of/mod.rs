@@ -56,7 +56,7 @@ pub struct MapOfArguments {
     pub source: String,
     #[command(flatten)]
     pub what: WhatArguments,
-    /// Take off the map of another batch, in pairs by seed.
+    /// Subtract the map of another batch, in pairs by seed.
     #[arg(long, value_name = "BATCH")]
     pub minus: Option<PathBuf>,
     /// The seed of the run [default: 1, of a batch its first].
@@ -68,7 +68,7 @@ pub struct MapOfArguments {
     /// Take the runs of a batch with this value in this column, such as `planner=prm-rs`; may be repeated.
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
     pub only: Vec<(String, String)>,
-    /// The same for the batch that is taken off [default: as --where].
+    /// The same for the batch that is subtracted [default: as --where].
     #[arg(long, value_name = "COLUMN=VALUE", value_parser = parse_where, requires = "minus")]
     pub minus_where: Vec<(String, String)>,
     /// Threads [default: as many as the machine runs at once].

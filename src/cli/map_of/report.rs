@@ -263,7 +263,7 @@ impl From<&BatchMapReport> for Document {
         let mut quantity = report.quantity.to_owned();
         quantity[..1].make_ascii_uppercase();
         let names: Vec<&str> = report.sides.iter().map(|side| side.batch.as_str()).collect();
-        let mut document = Self::new(format!("{quantity}: {}", names.join(" less ")));
+        let mut document = Self::new(format!("{quantity}: {}", names.join(" minus ")));
         document.add_list(report.sentences());
         let difference = report.difference.as_ref().map(|difference| ("difference", &difference.losses));
         let sides = report.sides.iter().map(|side| (side.batch.as_str(), &side.losses));
