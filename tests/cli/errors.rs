@@ -64,7 +64,7 @@ fn steps_of_a_trace_that_make_no_sense_are_refused() {
     let story = Story::begin();
     for step in ["0", "-1", "nan", "inf", "1e-9"] {
         let option = format!("--step={step}");
-        refuse(&story, &["run", "smoke", "--trace", "trace.csv", &option], &["--step", "seconds"]);
+        refuse(&story, &["run", "smoke", "--trace", "trace.csv", &option], &["--every", "seconds"]);
     }
 }
 
@@ -155,7 +155,7 @@ fn errors_have_no_colours_where_there_is_no_terminal() {
 fn negative_numbers_are_answered_with_what_was_expected() {
     let story = Story::begin();
     refuse(&story, &["run", "--seed", "-1"], &["'-1'", "from 0 to 18446744073709551615"]);
-    refuse(&story, &["run", "smoke", "--trace", "t.csv", "--step", "-1"], &["--step is -1", "at least 0.001"]);
+    refuse(&story, &["run", "smoke", "--trace", "t.csv", "--every", "-1"], &["--every is -1", "at least 0.001"]);
     refuse(&story, &["batch", "--seeds", "-1"], &["`-1`", "whole numbers from 0"]);
     refuse(&story, &["batch", "--jobs", "-1"], &["'-1'", "from 1 to 1024"]);
 }
