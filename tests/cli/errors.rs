@@ -77,7 +77,7 @@ fn one_name_for_two_outputs_is_refused() {
 #[test]
 fn scenario_is_not_overwritten_by_an_output() {
     let story = Story::begin();
-    let text = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let text = story.tell(&["scenarios", "--show", "smoke", "--all"]).expect_code(0).stdout;
     story.file("mine.toml", &text);
     refuse(&story, &["run", "mine.toml", "--events", "mine.toml"], &["mine.toml", "two files"]);
     assert_eq!(story.read("mine.toml"), text);

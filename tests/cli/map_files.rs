@@ -278,7 +278,7 @@ fn a_contest_takes_its_field_from_any_map() {
         [("plan.pgm", "30 x 20 cells of 5 m"), ("hall.yaml", "30 x 20 cells of 4 m"), ("wood.geojson", "60 x 40 cells")]
     {
         let set = format!("field.map={map}");
-        let printed = story.tell(&["check", "contest", "--set", &set]).expect_code(0).stdout;
+        let printed = story.tell(&["check", "contest", "--all", "--set", &set]).expect_code(0).stdout;
         let text = printed.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(cells), "{text}");
     }
