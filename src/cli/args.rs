@@ -43,14 +43,14 @@ pub struct SeededArguments {
 pub struct ProgramArguments {
     /// Register a program as planner and policy NAME, such as `rrt='python3 rrt.py'`; the command is split as a shell
     /// would, but no shell runs. May be repeated.
-    #[arg(help_heading = "Programs", long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
+    #[arg(long = "command", value_name = "NAME=COMMAND", value_parser = parse_command)]
     pub commands: Vec<NamedCommand>,
     /// Register a WebAssembly module as planner and policy NAME, such as `rrt=rrt.wasm`; runs without `--trust`. May be
     /// repeated.
-    #[arg(help_heading = "Programs", long = "module", value_name = "NAME=FILE.wasm", value_parser = parse_module)]
+    #[arg(long = "module", value_name = "NAME=FILE.wasm", value_parser = parse_module)]
     pub modules: Vec<NamedModule>,
     /// Allow programs named in scenario files to run.
-    #[arg(help_heading = "Programs", long)]
+    #[arg(long)]
     pub trust: bool,
 }
 
@@ -146,16 +146,16 @@ impl MemoryArguments {
 #[derive(Clone, Copy, Debug, Args)]
 pub struct PaperArguments {
     /// Also write the charts as PDF, with text as outlines.
-    #[arg(help_heading = "Papers", long)]
+    #[arg(long)]
     pub pdf: bool,
     /// Also write the charts as PGF, for `\input` in LaTeX, in the paper's font.
-    #[arg(help_heading = "Papers", long)]
+    #[arg(long)]
     pub pgf: bool,
     /// Width of the charts on paper: about 88 mm for a column, 180 mm for a page.
-    #[arg(help_heading = "Papers", long, value_name = "MM", default_value = "88", value_parser = width_mm)]
+    #[arg(long, value_name = "MM", default_value = "88", value_parser = width_mm)]
     pub width_mm: f32,
     /// Font size of the charts in points.
-    #[arg(help_heading = "Papers", long, value_name = "PT", default_value = "8", value_parser = font_pt)]
+    #[arg(long, value_name = "PT", default_value = "8", value_parser = font_pt)]
     pub font_pt: f32,
 }
 
@@ -219,7 +219,11 @@ pub fn jobs_or_all(requested: Option<NonZeroUsize>) -> usize {
 }
 
 pub fn parse_seed(text: &str) -> Result<u64, String> {
-    numbers::parse_within(text, &(0..=u64::MAX), "a whole number")
+    let seed = numbers::parse_within(text, &(0..=u64::MAX), "a whole number");
+    seed.map_err(|expected| match text.contains(['.', ',']) {
+        true => "expected one seed; `wildfire batch --seeds 1..5` runs several".to_owned(),
+        false => expected,
+    })
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use wildfire_scenario as scenario;
 #[command(after_help = "\
 Examples:
   wildfire attain fleet --seeds 1..10
-  wildfire attain fleet --set dispatch.policy=auction --runs 1000 --json
+  wildfire attain fleet --set dispatch.policy=auction --runs 1000 --format json
 
 The search knows what the arsonists will do, so no dispatcher needs to be able to do as well;
 but every loss that it finds is that of a run by the rules. A better one may exist, except

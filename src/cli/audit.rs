@@ -39,7 +39,7 @@ pub struct AuditArguments {
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Largest distance between checked poses, in metres.
-    #[arg(long, value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
+    #[arg(long = "step-m", alias = "step", value_name = "METRES", default_value_t = 0.02, allow_hyphen_values = true, value_parser = parse_audit_step)]
     pub step: f64,
     /// Allow programs named in batch plans to run when runs are simulated again.
     #[arg(long)]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use crate::cli::error::CliError;
@@ -16,14 +16,23 @@ use wildfire_batch::plan::{BatchPlan, COMMIT, PROGRAM_VERSION, PlanWriter, plann
 Examples:
   wildfire cite > wildfire.bib
   wildfire cite runs/contest >> paper.bib
-  wildfire cite runs/contest --json")]
+  wildfire cite runs/contest --format json")]
 pub struct CiteArguments {
     /// Batch folder; the entry gives the SHA-256 of its plan, which determines all outcomes.
     #[arg(value_name = "DIR")]
     pub folder: Option<PathBuf>,
-    /// Print one JSON object instead.
-    #[arg(long)]
+    /// Format of the entry [default: bibtex].
+    #[arg(long, value_enum, value_name = "FORMAT", conflicts_with = "json")]
+    pub format: Option<CitationFormat>,
+    #[arg(long, hide = true)]
     pub json: bool,
+}
+
+/// The formats of an entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CitationFormat {
+    Bibtex,
+    Json,
 }
 
 /// Prints an entry for BibTeX, or what it says as an object.
@@ -31,7 +40,7 @@ pub fn run(arguments: &CiteArguments) -> Result<ExitCode, CliError> {
     let batch = arguments.folder.as_deref().map(CitedBatch::read).transpose()?;
     let commit = batch.as_ref().map_or(COMMIT.map(str::to_owned), |batch| batch.commit.clone());
     let citation = Citation { author: AUTHOR, title: TITLE, version: PROGRAM_VERSION, year: YEAR, commit, batch };
-    terminal::print(&if arguments.json {
+    terminal::print(&if arguments.json || arguments.format == Some(CitationFormat::Json) {
         serde_json::to_string(&citation).expect("names and numbers are JSON") + "\n"
     } else {
         entry(&citation.note())

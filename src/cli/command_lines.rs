@@ -1,11 +1,13 @@
 //! Command lines that nobody would write, drawn from the arguments as clap knows them, so that new ones are covered.
 
-use clap::{Command as ClapCommand, CommandFactory, Parser};
+use std::ffi::OsString;
+
+use clap::Command as ClapCommand;
 
 use super::fuzz::text::mutated;
 use super::fuzz::{Case, Fuzzer, Law, below, one_of};
 use super::phrases::phrase;
-use super::{Arguments, Command};
+use super::{Command, parse, program};
 
 #[test]
 fn command_lines_take_anything() {
@@ -23,7 +25,7 @@ fn command_line(case: &mut Case<'_>) -> Law {
 pub fn parsed(case: &mut Case<'_>, command: &str, args: Vec<String>) -> Result<Option<Command>, String> {
     let line = [vec!["wildfire".to_owned(), command.to_owned()], args].concat();
     case.input = line.join("\n").into_bytes();
-    match Arguments::try_parse_from(&line) {
+    match parse(&line.iter().map(OsString::from).collect::<Vec<_>>()) {
         Ok(arguments) => {
             case.count("command lines accepted");
             Ok(Some(arguments.command))
@@ -42,7 +44,7 @@ pub fn check_message(text: &str) -> Law {
 
 /// Draws arguments of some command below these, whose own names are left out.
 pub fn drawn_args(case: &mut Case<'_>, names: &[&str]) -> Vec<String> {
-    let mut root = Arguments::command();
+    let mut root = program();
     root.build();
     let mut command = &root;
     for name in names {

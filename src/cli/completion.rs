@@ -273,14 +273,12 @@ fn fish(program: Command) -> String {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
-    use crate::cli::Arguments;
+    use crate::cli;
 
     #[test]
     fn names_of_every_kind_are_taken_somewhere_and_need_no_quotes() {
-        let program = Arguments::command();
+        let program = cli::program();
         let takers = takers(&program);
         for names in Names::ALL {
             assert!(takers.iter().any(|(_, _, taken)| *taken == names), "{names:?}");
@@ -298,8 +296,8 @@ mod tests {
 
     #[test]
     fn marks_are_hints_that_no_argument_has() {
-        let plain = generated(Shell::Zsh, Arguments::command());
-        let script = script(Shell::Zsh, Arguments::command());
+        let plain = generated(Shell::Zsh, cli::program());
+        let script = script(Shell::Zsh, cli::program());
         for names in Names::ALL {
             assert!(!plain.contains(names.mark().1), "{}", names.mark().1);
             assert!(!script.contains(names.mark().1), "{}", names.mark().1);

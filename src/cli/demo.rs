@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -10,7 +11,9 @@ use clap::Args;
 use crate::cli::context::CommandContext;
 use crate::cli::error::CliError;
 use crate::cli::terminal;
+use wildfire_base::document::{Block, Document};
 use wildfire_base::untrusted::visible;
+use wildfire_base::whole_file::write_whole;
 use wildfire_batch::plan::shell_word;
 
 #[derive(Debug, Args)]
@@ -31,14 +34,22 @@ struct DemoStep {
     command: &'static str,
 }
 
-const STEPS: [DemoStep; 7] = [
+const STEPS: [DemoStep; 9] = [
     DemoStep {
         why: "An arsonist and a fire truck, for an hour. Who wins, and what did planning cost?",
-        command: "run contest --seed 7 --out DIR/run.wildfire",
+        command: "run contest --seed 7 --record-searches --out DIR/run.wildfire",
     },
     DemoStep {
         why: "The same run to watch: a page for any browser, and a picture after ten minutes.",
         command: "render DIR/run.wildfire --page DIR/run.html --out DIR/run.png --at 600",
+    },
+    DemoStep {
+        why: "How do they find their paths? The truck's roadmap, and the largest search of the run.",
+        command: "render DIR/run.wildfire --at largest-search --layers roadmap,wumpus-search --out DIR/search.png",
+    },
+    DemoStep {
+        why: "Play it yourself: a page on which you send the truck.",
+        command: "page contest --seed 7 --side unimog --out DIR/play.html",
     },
     DemoStep {
         why: "Did anyone cheat? Independent code checks every leg, every 2 cm.",
@@ -59,11 +70,19 @@ const STEPS: [DemoStep; 7] = [
     },
 ];
 
+/// What the demonstration made, as its page lists it.
+const MADE: [(&str, &str); 7] = [
+    ("Play the game: you send the truck", "play.html"),
+    ("Watch the run", "run.html"),
+    ("The report of thirty runs of two planners, with charts", "batch/report.html"),
+    ("A search: the truck's roadmap and the nodes that the Wumpus expanded", "search.png"),
+    ("The run after ten minutes", "run.png"),
+    ("Single drives of two planners", "drives.png"),
+    ("The table of all runs", "batch/runs.csv"),
+];
+
 const NEXT: &str = "\
-Open in a browser:
-  DIR/run.html plays the run,
-  DIR/batch/report.html has the charts.
-Pictures: DIR/run.png, DIR/drives.png.
+Open in a browser: DIR/index.html, which links all of this.
 
 Then try
   wildfire scenarios                              other contests: wind, hills, fleets
@@ -102,6 +121,14 @@ pub fn run(
             return Ok(code);
         }
     }
+    let links = MADE.map(|(sentence, file)| (sentence.to_owned(), file.to_owned()));
+    let page = Document::new("A tour of wildfire").with([Block::Links(links.to_vec())]).to_html();
+    let index = folder.join("index.html");
+    write_whole(&index, page.as_bytes()).map_err(|error| CliError::unwritable(&index, &error))?;
+    // Where the output is read by a program, nobody looks at a screen.
+    if io::stdout().is_terminal() && !context.quiet {
+        terminal::open_in_browser(&index);
+    }
     terminal::print(&format!("\n{}", NEXT.replace("DIR", &visible(&shown))))?;
     Ok(ExitCode::SUCCESS)
 }
@@ -129,17 +156,15 @@ fn in_folder(word: &str, folder: &Path) -> OsString {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
     use super::*;
-    use crate::cli::Arguments;
+    use crate::cli::parse;
 
     #[test]
     fn the_commands_of_the_demonstration_are_commands() {
         for DemoStep { command, .. } in STEPS {
             let args = command.split(' ').map(|word| in_folder(word, Path::new("folder")));
-            let args = std::iter::once(OsString::from("wildfire")).chain(args);
-            Arguments::try_parse_from(args).expect(command);
+            let args: Vec<OsString> = std::iter::once(OsString::from("wildfire")).chain(args).collect();
+            parse(&args).expect(command);
         }
     }
 }

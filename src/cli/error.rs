@@ -187,6 +187,9 @@ impl From<MapError> for CliError {
     }
 }
 
+/// What to do without the folder of a batch.
+const NO_BATCH: &str = "`wildfire batch` makes such a folder, and prints its name, such as runs/contest";
+
 impl From<FinishedError> for CliError {
     fn from(error: FinishedError) -> Self {
         let code = match &error {
@@ -197,7 +200,8 @@ impl From<FinishedError> for CliError {
             | FinishedError::Damaged { .. }
             | FinishedError::WrongTable(_) => exit::BAD_INPUT,
         };
-        Self::new(error, None, code)
+        let help = matches!(error, FinishedError::Plan(PlanError::Missing { .. })).then_some(NO_BATCH);
+        Self::new(error, help, code)
     }
 }
 
@@ -263,6 +267,7 @@ impl From<BatchError> for CliError {
             BatchError::HoldsResults { .. } => {
                 Some("name another folder with --out, resume it with --resume, or overwrite the results with --force")
             }
+            BatchError::Plan(PlanError::Missing { .. }) => Some(NO_BATCH),
             BatchError::Plan(PlanError::OtherVersion { .. }) => Some(
                 "continue with that version, or start a new \
                 batch",

@@ -24,7 +24,7 @@ use wildfire_timeline::{AgentId, Timeline};
 #[command(after_help = "\
 Examples:
   wildfire export contest --seed 7 -o run.json
-  wildfire export run.wildfire -o run.npz --step 1
+  wildfire export run.wildfire -o run.npz --every 1
   wildfire export run.wildfire -o run.mcap --agent unimog/0
   wildfire export runs/contest --seed 3 -o run.csv
   wildfire export smoke --format json -o - | jq .outcome
@@ -55,7 +55,7 @@ pub struct ExportArguments {
     #[arg(short, long, value_name = "FILE")]
     pub out: PathBuf,
     /// Simulated seconds between samples of the agents' poses [default: 0.1]; not for JSON, which holds the legs.
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_step)]
+    #[arg(long = "every", alias = "step", value_name = "SECONDS", allow_hyphen_values = true, value_parser = parse_step)]
     pub step: Option<f64>,
     /// Sample only this agent, such as `unimog/0`; may be repeated.
     #[arg(long = "agent", value_name = "AGENT", value_parser = parse_agent)]
@@ -115,7 +115,7 @@ impl ExportOutput {
         };
         // An option without effect would leave its user believing that the file was thinned.
         if let Self::Json(_) = outputs {
-            let unused = [("--step", arguments.step.is_some()), ("--agent", !arguments.agents.is_empty())];
+            let unused = [("--every", arguments.step.is_some()), ("--agent", !arguments.agents.is_empty())];
             if let Some((option, _)) = unused.into_iter().find(|(_, is_set)| *is_set) {
                 let sentence = format!("{option} applies to samples; JSON holds the legs of all agents instead");
                 return Err(CliError::bad_input(sentence, None));

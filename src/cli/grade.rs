@@ -26,7 +26,7 @@ then 2.
 Examples:
   wildfire grade mine --rules course/rules.toml --trust
   wildfire grade mine --rules rules.toml --seeds 1..5
-  wildfire grade submission --rules rules.toml --for gradescope --json-out results.json")]
+  wildfire grade submission --rules rules.toml --for gradescope --out results.json")]
 pub struct GradeArguments {
     /// The entry: its file, or a folder with entry.toml.
     #[arg(value_name = "ENTRY")]
@@ -35,15 +35,15 @@ pub struct GradeArguments {
     #[arg(long, value_name = "FILE.toml")]
     pub rules: PathBuf,
     /// Seeds instead of those of the rules: ranges and lists, or `@FILE`.
-    #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
     #[command(flatten)]
     pub play: ArenaPlayArguments,
-    /// Form of the file of --json-out.
-    #[arg(help_heading = "Output", long = "for", value_name = "PLATFORM", default_value = "plain")]
+    /// Form of the file of --out.
+    #[arg(long = "for", value_name = "PLATFORM", default_value = "plain")]
     pub platform: Platform,
     /// Write the grade to this file: results.json of Gradescope, result.json of Classroom 50, or all numbers.
-    #[arg(help_heading = "Output", long, value_name = "FILE.json")]
+    #[arg(short = 'o', long = "out", alias = "json-out", value_name = "FILE.json")]
     pub json_out: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,

@@ -4,10 +4,11 @@
 use std::ffi::OsString;
 
 use clap::Command;
-use clap::error::{ContextKind, ContextValue};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::cli::EXAMPLES;
 use crate::cli::error::CliError;
+use crate::cli::options;
 use wildfire_base::untrusted::visible;
 
 /// Headings and commands of the overview. Those that are left out are printed by `help --all`.
@@ -95,11 +96,18 @@ fn wrapped(indent: &str, text: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Returns what to say to a command that there is not; `None` for other mistakes. Of the commands within `map` and others the
-/// parser knows the names.
-pub fn unknown_command(args: &[OsString], error: &clap::Error, program: &Command) -> Option<CliError> {
-    let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+/// Returns what to do instead of a command or an option that there is not; `None` for other mistakes. Of the commands within
+/// `map` and others the parser knows the names.
+pub fn mistake(args: &[OsString], error: &clap::Error, program: &Command) -> Option<CliError> {
     let mut names = args.iter().skip(1).map(|word| word.to_string_lossy()).filter(|word| !word.starts_with('-'));
+    if let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidArg)
+        && error.kind() == ErrorKind::UnknownArgument
+    {
+        let command = names.fold(program, |command, name| command.find_subcommand(&*name).unwrap_or(command));
+        let advice = options::advice(command, found)?;
+        return Some(CliError::bad_input(format_args!("there is no option `{found}` here"), Some(advice)));
+    }
+    let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidSubcommand) else { return None };
     let first = names.next()?;
     let named = if first == "help" { names.next()? } else { first };
     if named != *found {
@@ -115,14 +123,12 @@ pub fn unknown_command(args: &[OsString], error: &clap::Error, program: &Command
 
 #[cfg(test)]
 mod tests {
-    use clap::{CommandFactory, Parser};
-
     use super::*;
-    use crate::cli::Arguments;
+    use crate::cli::{parse, program};
 
     #[test]
     fn the_overview_is_short_and_names_every_command() {
-        let program = Arguments::command();
+        let program = program();
         let text = overview(&program);
         assert!(text.lines().count() < 45 && text.lines().all(|line| line.len() <= 80), "{text}");
         for command in program.get_subcommands() {
@@ -132,21 +138,20 @@ mod tests {
 
     #[test]
     fn what_was_meant_by_a_command_is_found() {
-        let program = Arguments::command();
+        let program = program();
         for (word, name) in
             SYNONYMS.into_iter().chain([("bacth", "batch"), ("lesson", "lessons"), ("scenario", "scenarios")])
         {
             assert!(program.find_subcommand(name).is_some() && program.find_subcommand(word).is_none(), "{word}");
             for line in [vec!["wildfire", word], vec!["wildfire", "help", word]] {
                 let args: Vec<OsString> = line.iter().map(OsString::from).collect();
-                let error = Arguments::try_parse_from(&args).expect_err(word);
-                let message =
-                    unknown_command(&args, &error, &program).map(|error| format!("{error:?}")).unwrap_or_default();
+                let error = parse(&args).expect_err(word);
+                let message = mistake(&args, &error, &program).map(|error| format!("{error:?}")).unwrap_or_default();
                 assert!(message.contains(&format!("did you mean `wildfire {name}`?")), "{line:?}: {message}");
             }
         }
         let args = ["wildfire", "map", "burshfire"].map(OsString::from);
-        let error = Arguments::try_parse_from(&args).expect_err("there is no such map");
-        assert!(unknown_command(&args, &error, &program).is_none(), "the parser knows the maps");
+        let error = parse(&args).expect_err("there is no such map");
+        assert!(mistake(&args, &error, &program).is_none(), "the parser knows the maps");
     }
 }

@@ -34,6 +34,7 @@ mod map_of;
 mod next_command;
 mod number_table;
 mod numbers;
+mod options;
 mod output_files;
 mod page;
 #[cfg(test)]
@@ -58,7 +59,7 @@ use std::process::ExitCode;
 
 use clap::builder::FalseyValueParser;
 use clap::error::{ContextKind, ContextValue};
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use arena::ArenaCommand;
 use attain::AttainArguments;
@@ -105,7 +106,7 @@ Examples:
   wildfire play contest --seed 7              watch it
   wildfire render --seed 7 --gif film.gif     draw it
   wildfire export --seed 7 -o run.mcap        look at it in Foxglove
-  wildfire scenarios --show contest > my.toml && wildfire check my.toml
+  wildfire new scenario my.toml && wildfire check my.toml
   wildfire map brushfire map.png --png fire.png   distances to obstacles
   wildfire fire behavior --fuel GR2 --wind 5   how fast grass burns
   wildfire map-of runs/contest --burn-probability --png probability.png
@@ -116,11 +117,17 @@ Exit codes: 0 done, 1 a run failed, 2 bad input, 3 disk or other environment,
 
 /// A contest between planners: a Wumpus lights bushes, a fire truck puts them out.
 #[derive(Debug, Parser)]
-#[command(name = "wildfire", version, long_version = LONG_VERSION, after_help = EXAMPLES, max_term_width = 100)]
+#[command(
+    name = "wildfire", version, long_version = LONG_VERSION, after_help = EXAMPLES, max_term_width = 100,
+    disable_help_flag = true
+)]
 pub struct Arguments {
     /// Print only results and errors, no progress or notes.
     #[arg(short, long, global = true, env = "WILDFIRE_QUIET", value_parser = FalseyValueParser::new())]
     pub quiet: bool,
+    /// Print help.
+    #[arg(short, long, global = true, action = ArgAction::Help)]
+    pub help: Option<bool>,
     #[command(subcommand)]
     pub command: Command,
 }
@@ -221,13 +228,13 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
     }
     interrupt::install();
     if args.get(1..).is_some_and(|args| args == ["help", "--all"]) {
-        let all = Arguments::command().render_long_help().to_string();
+        let all = program().render_long_help().to_string();
         return terminal::print(&all).map_or_else(CliError::print, |()| ExitCode::SUCCESS);
     }
     let arguments = match parse(&args) {
         Ok(arguments) => arguments,
-        Err(error) => match help::unknown_command(&args, &error, &Arguments::command()) {
-            Some(unknown) => return unknown.print(),
+        Err(error) => match help::mistake(&args, &error, &program()) {
+            Some(mistake) => return mistake.print(),
             None => refuse(&args, &error),
         },
     };
@@ -235,9 +242,14 @@ pub fn main_from(args: Vec<OsString>, registry: impl Into<CustomRegistry>) -> Ex
     dispatch(&arguments, &context).unwrap_or_else(CliError::print)
 }
 
+/// Returns the program with all commands, as the command line has it.
+pub fn program() -> clap::Command {
+    options::arranged(Arguments::command())
+}
+
 /// Reads arguments; the help of the program itself is the overview.
 fn parse(args: &[OsString]) -> Result<Arguments, clap::Error> {
-    let program = Arguments::command();
+    let program = program();
     let overview = help::overview(&program);
     let matches = program.override_help(overview).try_get_matches_from(args)?;
     Arguments::from_arg_matches(&matches)
@@ -282,7 +294,7 @@ fn has_common_start(one: &str, other: &str) -> bool {
 fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode, CliError> {
     match &arguments.command {
         Command::Demo(demo) => demo::run(demo, context, &|args, context| {
-            let arguments = Arguments::try_parse_from(args).expect("the demonstration's commands are right");
+            let arguments = parse(&args).expect("the demonstration's commands are right");
             dispatch(&Arguments { quiet: context.quiet, ..arguments }, context)
         }),
         Command::Run(run) => run::run(run, &context.with_programs(&run.scenario.programs)),
@@ -314,25 +326,23 @@ fn dispatch(arguments: &Arguments, context: &CommandContext) -> Result<ExitCode,
         Command::Plan(plan) => plan::run(plan, &context.with_programs(&plan.programs)),
         Command::Judge(judge) => judge::run(judge, &context.with_programs(&judge.programs)),
         Command::Cite(cite) => cite::run(cite),
-        Command::Completions(completions) => shell::completions(completions, Arguments::command()),
-        Command::Man(man) => shell::man(man, Arguments::command()),
+        Command::Completions(completions) => shell::completions(completions, program()),
+        Command::Man(man) => shell::man(man, program()),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]
     fn arguments_are_defined_without_contradictions() {
-        Arguments::command().debug_assert();
+        program().debug_assert();
     }
 
     #[test]
     fn options_of_one_name_have_one_letter_and_html_is_a_form_everywhere() {
-        let mut commands = vec![Arguments::command()];
+        let mut commands = vec![program()];
         let mut seen = 0;
         while let Some(command) = commands.pop() {
             commands.extend(command.get_subcommands().cloned());
@@ -357,7 +367,8 @@ mod tests {
     fn earlier_names_of_options_are_still_taken() {
         for line in ["render --html x.html", "plan --report x", "batch --seed 1..3", "run -s 2", "export -s 2 -o x.csv"]
         {
-            let parsed = Arguments::try_parse_from(["wildfire"].into_iter().chain(line.split(' ')));
+            let args: Vec<OsString> = ["wildfire"].into_iter().chain(line.split(' ')).map(OsString::from).collect();
+            let parsed = parse(&args);
             assert!(parsed.is_ok(), "{line}: {parsed:?}");
         }
     }

@@ -58,7 +58,7 @@ pub struct PageArguments {
     #[arg(short, long, value_name = "FILE.html", required_unless_present = "lessons")]
     pub out: Option<PathBuf>,
     /// Write seven lessons and their index to this folder instead, as `wildfire lessons` does.
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["out", "scenario", "seed", "sides", "game", "module"])]
+    #[arg(long, hide = true, value_name = "FOLDER", conflicts_with_all = ["out", "scenario", "seed", "sides", "game", "module"])]
     pub lessons: Option<PathBuf>,
 }
 

@@ -78,7 +78,11 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
 
     if arguments.window {
         let command = "cargo run --release --features view -- play";
-        return Err(CliError::environment(format_args!("built without the window; to build with it: {command}")));
+        let sentence = format_args!(
+            "built without the window; `wildfire play` without --window opens a page in the browser; to build with the \
+             window: {command}"
+        );
+        return Err(CliError::environment(sentence));
     }
     let runs: Vec<RunView> = shown_runs(&arguments.show, Searches::Recorded, context)?
         .into_iter()
@@ -94,29 +98,8 @@ pub fn run(arguments: &PlayArguments, context: &CommandContext) -> Result<ExitCo
     let time = time_within("--at", arguments.at, &runs, context.quiet)?;
     write_page(&FrameRequest { runs: &runs, time, options: &options }, &path)?;
     terminal::print(&format!("{}\n", path.display()))?;
-    if !open_in_browser(&path) && !context.quiet {
+    if !terminal::open_in_browser(&path) && !context.quiet {
         terminal::note("open that file in a browser; `wildfire play --help` says how to play in a window");
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Asks the system to open a page, and returns whether it could be asked.
-#[cfg(not(feature = "view"))]
-fn open_in_browser(path: &std::path::Path) -> bool {
-    use std::env::var_os;
-    use std::process::{Command, Stdio};
-
-    // Without a display `xdg-open` may start a browser within the terminal.
-    let has_display = cfg!(any(windows, target_os = "macos"))
-        || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| var_os(name).is_some_and(|value| !value.is_empty()));
-    let opener = if cfg!(windows) {
-        "explorer"
-    } else if cfg!(target_os = "macos") {
-        "open"
-    } else {
-        "xdg-open"
-    };
-    let mut command = Command::new(opener);
-    command.arg(path).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    has_display && command.spawn().is_ok()
 }

@@ -33,9 +33,9 @@ use wildfire_timeline::{AgentId, GroundOutcome, Outcome, Role, Timeline, Winner,
 #[command(after_help = "\
 Examples:
   wildfire run --seed 7
-  wildfire run report-2024 --seed 7 --json
+  wildfire run report-2024 --seed 7 --format json
   wildfire run --seed 7 --out run.wildfire --events events.csv
-  wildfire run --seed 7 --trace trace.csv --step 0.1 --agent unimog/0")]
+  wildfire run --seed 7 --trace trace.csv --every 0.1 --agent unimog/0")]
 pub struct RunArguments {
     #[command(flatten)]
     pub scenario: ScenarioArguments,
@@ -45,7 +45,7 @@ pub struct RunArguments {
     #[arg(short, long, default_value_t = 1, allow_hyphen_values = true, value_parser = parse_seed)]
     pub seed: u64,
     /// Replay a game saved from a page, instead of a scenario and a seed.
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["source", "overrides", "seed"])]
+    #[arg(long = "game", alias = "answers", value_name = "FILE.json", conflicts_with_all = ["source", "overrides", "seed"])]
     pub answers: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
@@ -62,7 +62,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
     /// Simulated seconds between two rows of the trace.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
+    #[arg(long = "every", alias = "step", value_name = "SECONDS", default_value_t = 0.1, requires = "trace", allow_hyphen_values = true, value_parser = parse_trace_step)]
     pub step: f64,
     /// Keep only this agent in the trace, such as `unimog/0`; may be repeated.
     #[arg(long = "agent", value_name = "AGENT", requires = "trace", value_parser = parse_agent)]
@@ -101,7 +101,7 @@ pub fn run(arguments: &RunArguments, context: &CommandContext) -> Result<ExitCod
     }
     let report = RunReport { row };
     // A run that failed is an object too, but says nothing to people besides its error.
-    let is_printed = arguments.form.json || report.row.result.is_some();
+    let is_printed = arguments.form.is_json() || report.row.result.is_some();
     let printed = if is_printed { stream.print(&arguments.form.render(&report)) } else { Ok(()) };
     // Whatever cannot be written, all else of the run is kept.
     let written = timeline.map_or(Ok(()), |timeline| outputs.write(&timeline, context.quiet));
@@ -142,7 +142,7 @@ impl<'a> RunOutputs<'a> {
     fn checked(arguments: &'a RunArguments, scenario: &Scenario, seed: u64) -> Result<(Self, ReportStream), CliError> {
         let step_s = arguments.step;
         if !(step_s.is_finite() && step_s >= FINEST_STEP_S) {
-            let sentence = format!("--step is {step_s}; expected seconds, at least {FINEST_STEP_S}");
+            let sentence = format!("--every is {step_s}; expected seconds, at least {FINEST_STEP_S}");
             return Err(CliError::bad_input(sentence, None));
         }
         // An agent that the scenario does not have would give an empty trace after a whole run.

@@ -37,10 +37,7 @@ use wildfire_scenario::{
 use wildfire_sim::programs::protocol;
 use wildfire_timeline::export;
 
-const SCENARIO_HEAD: &str = "\
-# A custom scenario. Every value is spelled out as in the built-in scenario `contest`; omitted values default to
-# those of `contest-1`. `wildfire check FILE` explains the file, scenarios/README.md explains each choice.
-";
+const SCENARIO_TEMPLATE: &str = include_str!("../../assets/scenario.toml");
 
 /// Planners to begin with, by the ending of their file.
 const PLANNER_TEMPLATES: [(&str, &str); 4] = [
@@ -115,17 +112,17 @@ pub enum SchemaOf {
     Export,
     /// The file machines.json of a batch.
     Machines,
-    /// The output of `wildfire batch --json` and `wildfire merge --json`.
+    /// The output of `wildfire batch --format json` and `wildfire merge --format json`.
     BatchAnswer,
-    /// The output of `wildfire batch --dry-run --json`.
+    /// The output of `wildfire batch --dry-run --format json`.
     DryRunAnswer,
-    /// The output of `wildfire batch --shard --json`.
+    /// The output of `wildfire batch --shard --format json`.
     SliceAnswer,
-    /// The output of `wildfire report --json`.
+    /// The output of `wildfire report --format json`.
     ReportAnswer,
-    /// The output of `wildfire check --json`.
+    /// The output of `wildfire check --format json`.
     CheckAnswer,
-    /// The output of `wildfire scenarios --json`.
+    /// The output of `wildfire scenarios --format json`.
     ScenariosAnswer,
 }
 
@@ -139,15 +136,21 @@ pub struct CheckArguments {
     /// Draw the kinematic model of the first truck with its dimensions.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     pub sketch: Option<PathBuf>,
+    /// Print all values, what they mean, the field of seed 1 and the memory; --format json always has them.
+    #[arg(long)]
+    pub all: bool,
     #[command(flatten)]
     pub form: FormArguments,
 }
 
 #[derive(Debug, Args)]
 pub struct ScenariosArguments {
-    /// Print the file of this built-in scenario.
+    /// Print the main values of this built-in scenario.
     #[arg(long, value_name = "NAME", conflicts_with = "report_form")]
     pub show: Option<String>,
+    /// Print the whole file, to redirect into one's own.
+    #[arg(long, requires = "show")]
+    pub all: bool,
     #[command(flatten)]
     pub form: FormArguments,
 }
@@ -231,16 +234,49 @@ pub fn check(arguments: &CheckArguments, context: &CommandContext) -> Result<Exi
     let document = scenario::explain(&loaded, arguments.memory);
     let answer = CheckAnswer::new(&loaded, &document);
     let files = Files { form: arguments.form, ..Files::default() }.writing([(Format::Sketch, &arguments.sketch)]);
-    files.check()?.print(&arguments.form.render_either(&answer, || document))?;
+    let stream = files.check()?;
+    let fits = MemoryEstimate::new(&loaded.scenario).meter(arguments.memory);
+    let printed = arguments.form.render_either(&answer, || match arguments.all {
+        true => document,
+        false => brief(document, &loaded, fits.is_ok(), &format!("wildfire check {} --all", arguments.scenario.source)),
+    });
+    stream.print(&printed)?;
     if let Some(path) = &arguments.sketch {
         write_sketch(&loaded.scenario, path)?;
         note_written(path, context.quiet);
     }
     // The explanation is printed nevertheless, since its list of memory shows what to change.
-    match MemoryEstimate::new(&loaded.scenario).meter(arguments.memory) {
+    match fits {
         Ok(_) => Ok(ExitCode::SUCCESS),
         Err(exceeded) => Err(CliError::bad_input(format_args!("a run would be refused: {exceeded}"), None)),
     }
+}
+
+/// The number of agents of a scenario, and its main values.
+fn outline(loaded: &LoadedScenario) -> [Block; 2] {
+    let Scenario { unimog, wumpus, .. } = &loaded.scenario;
+    let agents = format!("Trucks: {}. Wumpuses: {}. The values of the first of each:", unimog.len(), wumpus.len());
+    [Block::Text(agents), Block::Verbatim(scenario::outline(loaded).join("\n"))]
+}
+
+/// A screen of a scenario's explanation: its main values, the size of its field, and warnings; the memory too if it is
+/// more than the limit. It ends with the command that prints all.
+fn brief(all: Document, loaded: &LoadedScenario, fits: bool, command: &str) -> Document {
+    let mut heading = String::new();
+    let mut kept = outline(loaded).to_vec();
+    for block in all.blocks {
+        if let Block::Heading(title) = &block {
+            heading.clone_from(title);
+        }
+        let is_kept = match &heading[..] {
+            "Warnings" | "Programs" => true,
+            "Maximum memory of a run" => !fits,
+            title => title.starts_with("Field of seed") && !matches!(block, Block::Verbatim(_)),
+        };
+        kept.extend(is_kept.then_some(block));
+    }
+    let sentence = format!("{} values in all; `{command}` prints them.", loaded.values().len());
+    Document::new(all.title).with(kept).with([Block::Text(sentence)])
 }
 
 /// Draws the first truck of a scenario.
@@ -258,7 +294,16 @@ fn write_sketch(scenario: &Scenario, path: &Path) -> Result<(), CliError> {
 /// Lists the built-in scenarios, or prints the file of one.
 pub fn list_or_show(arguments: &ScenariosArguments) -> Result<ExitCode, CliError> {
     match &arguments.show {
-        Some(name) => terminal::print(built_in(name)?)?,
+        Some(name) if arguments.all => terminal::print(built_in(name)?)?,
+        Some(name) => {
+            let text = built_in(name)?;
+            let loaded = LoadedScenario::open(name, &[])?;
+            let document = Document::new(format!("{name}: {}", first_sentence(text))).with(outline(&loaded)).with([
+                Block::Text(format!("Change a value: `wildfire run {name} --set KEY=VALUE`.")),
+                Block::Text(format!("The whole file: `wildfire scenarios --show {name} --all > my.toml`.")),
+            ]);
+            terminal::print(&document.to_text())?;
+        }
         None => {
             let scenarios =
                 BUILT_IN.iter().map(|&(name, text)| ListedScenario { name, purpose: first_sentence(text) }).collect();
@@ -302,7 +347,7 @@ pub fn new(arguments: &NewArguments, quiet: bool) -> Result<ExitCode, CliError> 
     let (format, text) = match arguments.what {
         NewFile::Scenario => match &arguments.map.from_map {
             Some(map) => (Format::Toml, scenario_from_map(map, &arguments.map, file, quiet)?),
-            None => (Format::Toml, scenario_template()),
+            None => (Format::Toml, SCENARIO_TEMPLATE.to_owned()),
         },
         NewFile::Plan => (Format::Toml, PLAN_TEMPLATE.to_owned()),
         NewFile::Planner => (Format::Source, planner_template(file)?),
@@ -331,13 +376,6 @@ fn planner_template(file: Option<&Path>) -> Result<String, CliError> {
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     Ok(text.replace("FILE", &name))
-}
-
-/// The contest under another name and with another opening comment.
-fn scenario_template() -> String {
-    let contest = built_in("contest").expect("it is the default");
-    let body: String = contest.split_inclusive('\n').skip_while(|line| line.starts_with('#')).collect();
-    format!("{SCENARIO_HEAD}{}", body.replacen("name = \"contest\"", "name = \"mine\"", 1))
 }
 
 /// A scenario whose field is a map, with the agents of the contest. It is loaded once, so that what is written runs, and so
@@ -504,7 +542,7 @@ mod tests {
     fn scenario_template_is_the_contest_under_another_name() {
         let scratch = tempfile::tempdir().expect("a scratch folder");
         let path = scratch.path().join("mine.toml");
-        write_new(&path, Format::Toml, &scenario_template()).expect("writable");
+        write_new(&path, Format::Toml, SCENARIO_TEMPLATE).expect("writable");
         let mine = scenario::load(&path.display().to_string(), &[]).expect("it is a scenario");
         let contest = scenario::load("contest", &[]).expect("it is built in");
         assert_eq!(mine, Scenario { name: "mine".into(), ..contest });

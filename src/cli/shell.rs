@@ -71,15 +71,13 @@ fn page(command: &Command) -> io::Result<String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
-    use crate::cli::Arguments;
+    use crate::cli::program;
 
     #[test]
     fn every_command_has_a_page_that_names_it_and_its_options() {
         let folder = tempfile::tempdir().expect("a scratch folder");
-        let program = Arguments::command().disable_help_subcommand(true);
+        let program = program().disable_help_subcommand(true);
         let mut built = program;
         built.build();
         write_pages(&built, folder.path()).expect("the folder is writable");

@@ -4,7 +4,10 @@
 //! strangers chose, so whatever could act on a terminal or turn the direction of writing is printed as an escape.
 
 use std::collections::BTreeSet;
+use std::env::var_os;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -31,6 +34,23 @@ pub fn print(result: &str) -> Result<(), CliError> {
 pub fn note(text: &str) {
     // A note that nobody can read is no reason to stop.
     let _ = writeln!(io::stderr(), "{}", visible(text));
+}
+
+/// Asks the system to open a page, and returns whether it could be asked.
+pub fn open_in_browser(path: &Path) -> bool {
+    // Without a display `xdg-open` may start a browser within the terminal.
+    let has_display = cfg!(any(windows, target_os = "macos"))
+        || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| var_os(name).is_some_and(|value| !value.is_empty()));
+    let opener = if cfg!(windows) {
+        "explorer"
+    } else if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
+    };
+    let mut command = Command::new(opener);
+    command.arg(path).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    has_display && command.spawn().is_ok()
 }
 
 /// Letters that are named, of those that a font lacks.

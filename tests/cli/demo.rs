@@ -6,16 +6,27 @@ use super::story::Story;
 fn a_first_minute_leaves_a_page_pictures_and_a_report() {
     let story = Story::begin();
     let answer = story.tell(&["demo", "--out", "first look"]).expect_code(0);
-    for fragment in
-        ["1/7", "7/7", "$ wildfire run contest --seed 7 --out 'first look'/run.wildfire", "Violations: none"]
-    {
+    for fragment in [
+        "1/9",
+        "9/9",
+        "$ wildfire run contest --seed 7 --record-searches --out 'first look'/run.wildfire",
+        "Violations: none",
+    ] {
         assert!(answer.stdout.contains(fragment), "{fragment} is not in {}", answer.stdout);
     }
     assert_eq!(answer.stderr, "");
     let page = story.read("first look/run.html");
     assert!(page.starts_with("<!DOCTYPE html>") && page.len() < 500_000, "{} bytes", page.len());
-    for file in ["run.wildfire", "run.png", "drives.png", "batch/runs.csv", "batch/report.html"] {
+    for file in
+        ["run.wildfire", "search.png", "play.html", "run.png", "drives.png", "batch/runs.csv", "batch/report.html"]
+    {
         assert!(story.path("first look").join(file).is_file(), "{file} is missing");
+    }
+    let index = story.read("first look/index.html");
+    let links: Vec<&str> = index.split("href=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    assert!(links.len() >= 7, "{index}");
+    for link in links {
+        assert!(story.path("first look").join(link).is_file(), "{link} is missing");
     }
     assert_eq!(story.entries(), ["first look"]);
     let again = story.tell(&["demo", "--out", "first look"]).expect_code(2);

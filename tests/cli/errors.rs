@@ -64,7 +64,7 @@ fn steps_of_a_trace_that_make_no_sense_are_refused() {
     let story = Story::begin();
     for step in ["0", "-1", "nan", "inf", "1e-9"] {
         let option = format!("--step={step}");
-        refuse(&story, &["run", "smoke", "--trace", "trace.csv", &option], &["--step", "seconds"]);
+        refuse(&story, &["run", "smoke", "--trace", "trace.csv", &option], &["--every", "seconds"]);
     }
 }
 
@@ -77,7 +77,7 @@ fn one_name_for_two_outputs_is_refused() {
 #[test]
 fn scenario_is_not_overwritten_by_an_output() {
     let story = Story::begin();
-    let text = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let text = story.tell(&["scenarios", "--show", "smoke", "--all"]).expect_code(0).stdout;
     story.file("mine.toml", &text);
     refuse(&story, &["run", "mine.toml", "--events", "mine.toml"], &["mine.toml", "two files"]);
     assert_eq!(story.read("mine.toml"), text);
@@ -155,7 +155,7 @@ fn errors_have_no_colours_where_there_is_no_terminal() {
 fn negative_numbers_are_answered_with_what_was_expected() {
     let story = Story::begin();
     refuse(&story, &["run", "--seed", "-1"], &["'-1'", "from 0 to 18446744073709551615"]);
-    refuse(&story, &["run", "smoke", "--trace", "t.csv", "--step", "-1"], &["--step is -1", "at least 0.001"]);
+    refuse(&story, &["run", "smoke", "--trace", "t.csv", "--every", "-1"], &["--every is -1", "at least 0.001"]);
     refuse(&story, &["batch", "--seeds", "-1"], &["`-1`", "whole numbers from 0"]);
     refuse(&story, &["batch", "--jobs", "-1"], &["'-1'", "from 1 to 1024"]);
 }

@@ -102,7 +102,7 @@ fn what_cannot_be_exported_is_refused() {
     refuse(&story, &["export", "smoke", "-o", "-"], &["- (stdout) has no ending", "--format json"]);
     refuse(&story, &["export", "smoke", "--format", "csv", "-o", "-"], &["two tables"]);
     refuse(&story, &["export", "smoke", "--format", "npz", "-o", "run.json"], &["run.json", ".npz"]);
-    refuse(&story, &["export", "smoke", "-o", "run.json", "--step", "1"], &["--step applies to samples"]);
+    refuse(&story, &["export", "smoke", "-o", "run.json", "--step", "1"], &["--every applies to samples"]);
     refuse(&story, &["export", "smoke", "-o", "run.json", "--agent", "unimog/0"], &["--agent applies to samples"]);
     refuse(&story, &["export", "smoke", "-o", "run.npz", "--step", "0"], &["expected seconds, at least 0.001"]);
     let stranger = "there is no unimog/9 in this run, only wumpus/0";

@@ -156,7 +156,7 @@ fn layers_are_taken_from_the_bands_of_one_file_and_a_rim_without_data_does_not_b
          [fire.crowns]\nheight_map = \"valley.lcp\"\nbase_map = \"valley.lcp\"\ndensity_map = \"valley.lcp\"\n\
          [[ignition]]\nat_s = 0\ncells = [[20, 10]]\n";
     story.file("valley.toml", scenario);
-    let checked = story.tell(&["check", "valley.toml"]).expect_code(0).stdout.replace("\n  ", " ");
+    let checked = story.tell(&["check", "valley.toml", "--all"]).expect_code(0).stdout.replace("\n  ", " ");
     for fragment in [
         "fuel models from band 4 of valley.lcp (FBFM); slope from band 2 of valley.lcp (SLPD)",
         "height of trees from band 6 of valley.lcp (CH)",
@@ -427,7 +427,7 @@ fn custom_fuels_of_a_file_burn_like_built_in_ones_of_the_same_numbers() {
         [fire.rothermel]\nground = 14\nbushes = 300\n[[wind]]\nspeed_mps = 3\ntoward_deg = 20\n\
         [[ignition]]\nat_s = 0\ncells = [[20, 20]]\n";
     story.file("mine.toml", scenario);
-    let checked = story.tell(&["check", "mine.toml"]).expect_code(0).stdout;
+    let checked = story.tell(&["check", "mine.toml", "--all"]).expect_code(0).stdout;
     assert!(checked.contains("Custom fuel models (file mine.fmd): 14 MINE, 300 300."), "{checked}");
     assert!(checked.contains("MINE (Low grass) 90 %"), "{checked}");
     story.tell(&["run", "mine.toml", "--out", "mine.wildfire"]).expect_code(0);
@@ -467,7 +467,7 @@ fn local_story(rest: &str) -> Story {
 #[test]
 fn wind_by_place_is_checked_recorded_audited_and_the_same_in_spread_and_runs() {
     let story = local_story("[[ignition]]\nat_s = 0\npoints_m = [[1090, 2110]]\n");
-    let checked = story.tell(&["check", "local.toml"]).expect_code(0).stdout;
+    let checked = story.tell(&["check", "local.toml", "--all"]).expect_code(0).stdout;
     assert!(checked.contains("From 0 s: by place, 0.995 to 5.006 m/s, on average 2.985 m/s"), "{checked}");
     story.tell(&["run", "local.toml", "--out", "local.wildfire"]).expect_code(0);
     story.tell(&["audit", "local.wildfire"]).expect_code(0);

@@ -124,7 +124,7 @@ fn parameters_that_make_no_sense_are_refused() {
         ("attraction map.txt --goal 1,0 --scale all", "a number or `none`"),
         ("wavefront map.txt --goal 1,0 --scale -1", "the scale must be a number above 0"),
         ("wavefront map.txt --goal 1,0 --scale 0", "the scale must be a number above 0"),
-        ("wavefront map.txt --goal 1,0 --scale none", "expected a number"),
+        ("wavefront map.txt --goal 1,0 --scale all", "a number or `none`"),
         ("jps map.txt --goal 1,0 --start 1,1 --neighbours 4", "possible values: 8"),
         ("rrt map.txt --goal 1,0 --start 1,1 --step 0", "the step must be a number of cells from 0.1"),
         ("rrt map.txt --goal 1,0 --start 1,1 --goal-bias 2", "the goal bias must be a number from 0 to 1, not 2"),

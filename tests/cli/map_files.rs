@@ -1,6 +1,7 @@
 //! `wildfire map`: the files that it was asked for appear, and are what they are called.
 
 use std::fs;
+use std::path::Path;
 
 use crate::children::output_of;
 use crate::story::Story;
@@ -277,7 +278,7 @@ fn a_contest_takes_its_field_from_any_map() {
         [("plan.pgm", "30 x 20 cells of 5 m"), ("hall.yaml", "30 x 20 cells of 4 m"), ("wood.geojson", "60 x 40 cells")]
     {
         let set = format!("field.map={map}");
-        let printed = story.tell(&["check", "contest", "--set", &set]).expect_code(0).stdout;
+        let printed = story.tell(&["check", "contest", "--all", "--set", &set]).expect_code(0).stdout;
         let text = printed.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(cells), "{text}");
     }
@@ -293,4 +294,45 @@ fn a_contest_takes_its_field_from_any_map() {
     story.file("bad.csv", "0,1\n0,2\n");
     let refusal = story.tell(&["check", "contest", "--set", "field.map=bad.csv"]).expect_code(2);
     assert!(refusal.stderr.contains("row 1, column 1"), "{}", refusal.stderr);
+}
+
+fn assets() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"))
+}
+
+fn story_with_maps() -> Story {
+    let story = Story::begin();
+    fs::create_dir_all(story.path("assets/maps")).expect("writable");
+    for entry in fs::read_dir(assets().join("maps")).expect("the maps are there") {
+        let from = entry.expect("readable").path();
+        let name = from.file_name().expect("a file has a name");
+        fs::copy(&from, story.path("assets/maps").join(name)).expect("writable");
+    }
+    story
+}
+
+/// The subcommands and what they say of themselves.
+fn helps(story: &Story) -> Vec<(String, String)> {
+    let help = |arguments: &[&str]| story.tell(arguments).expect_code(0).stdout;
+    let overview = help(&["map", "--help"]);
+    let listed = overview.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names = listed.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
+    let helps: Vec<_> = names.map(|name| (name.to_owned(), help(&["map", name, "--help"]))).collect();
+    assert_eq!(helps.len(), 20, "{overview}");
+    helps
+}
+
+#[test]
+fn examples_of_the_help_run() {
+    let story = story_with_maps();
+    // Timing takes its time, and its example is for a shell.
+    for (subcommand, help) in helps(&story).into_iter().filter(|(subcommand, _)| subcommand != "timing") {
+        let help = help.replace("\\\n", " ");
+        let lines: Vec<_> = help.lines().filter(|line| line.starts_with("  wildfire map ")).collect();
+        assert!(!lines.is_empty(), "{subcommand} has no example");
+        for line in lines {
+            let arguments: Vec<_> = line.split_whitespace().skip(1).collect();
+            story.tell(&arguments).expect_code(0);
+        }
+    }
 }

@@ -42,7 +42,7 @@ fn peak_bytes(mut command: Command) -> (u64, Answer) {
 
 /// Reads the bytes that a run needs in any case from what `check` says.
 fn estimated_bytes(story: &Story, scenario: &[&str]) -> u64 {
-    let check = story.tell(&[&["check"], scenario].concat());
+    let check = story.tell(&[&["check", "--all"], scenario].concat());
     let line = check
         .stdout
         .lines()

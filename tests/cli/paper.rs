@@ -11,7 +11,7 @@ use crate::story::{Story, refuse};
 /// A batch `a` of two planners, whose scenario has a name that LaTeX would act on.
 fn story() -> Story {
     let story = Story::begin();
-    let smoke = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let smoke = story.tell(&["scenarios", "--show", "smoke", "--all"]).expect_code(0).stdout;
     story.file("odd.toml", &smoke.replacen("name = \"smoke\"", "name = \"50% \\\\input{x} & a_b\"", 1));
     let planners = ["--planner", "prm-rs,hybrid-astar", "--set", "field.coverage=0.05,0.1"];
     story.tell(&[&["batch", "odd.toml", "--seeds", "1..4", "--out", "a"], &planners[..]].concat()).expect_code(0);
@@ -55,7 +55,7 @@ fn tables_of_a_batch_are_latex_in_which_no_name_acts() {
         let batch = story.tell(&[&new[..], &[form]].concat()).expect_code(0).stdout;
         assert!(batch.contains("Obstacle states at the end of each run"), "{form}: {batch}");
     }
-    assert!(story.tell(&["check", "smoke", "--tex"]).expect_code(0).stdout.contains("\\subsection*{Fire}"));
+    assert!(story.tell(&["check", "smoke", "--all", "--tex"]).expect_code(0).stdout.contains("\\subsection*{Fire}"));
 }
 
 #[test]

@@ -32,7 +32,7 @@ const INPUTS: [(&str, &str); 17] = [
 
 fn story() -> Story {
     let story = Story::begin();
-    let smoke = story.tell(&["scenarios", "--show", "smoke"]).expect_code(0).stdout;
+    let smoke = story.tell(&["scenarios", "--show", "smoke", "--all"]).expect_code(0).stdout;
     story.file("smoke.toml", &smoke);
     story.file("plan.toml", "scenarios = ['smoke']\nseeds = '1..3'\n");
     story.file("seeds", "1..3 7\n");

@@ -291,3 +291,14 @@ fn all_goals_of_the_reference_are_reached_without_a_violation() {
         }
     }
 }
+
+#[test]
+fn example_of_a_field_file_is_one() {
+    let readme = include_str!("../../scenarios/README.md");
+    let (_, section) = readme.split_once("\n## Field files\n").expect("the section is there");
+    let (_, example) = section.split_once("```json\n").expect("an example is there");
+    let story = Story::begin();
+    story.file("example.json", example.split("```").next().unwrap_or_default());
+    let answer = story.tell(&["plan", "example.json"]).expect_code(0).stdout;
+    assert!(answer.starts_with("Field `two bushes`, 2 goals, ") && answer.contains(" 2/2 "), "{answer}");
+}

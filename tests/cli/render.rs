@@ -444,3 +444,24 @@ fn tour_is_a_film_of_the_stops_that_a_run_has() {
     refuse(&story, &["render", "smoke", "--tour", "--gif", "film.gif", "--from", "3"], &["--from"]);
     refuse(&story, &["render", "smoke", "--tour", "--gif", "film.gif", "--with-seed", "3"], &["--with-seed"]);
 }
+
+#[test]
+fn examples_of_the_help_are_understood() {
+    let story = Story::begin();
+    story.tell(&["run", "smoke", "--out", "run.wildfire"]).expect_code(0);
+    let help = story.tell(&["render", "--help"]).expect_code(0).stdout;
+    let examples: Vec<_> = help.lines().filter_map(|line| line.strip_prefix("  wildfire ")).collect();
+    assert!(examples.len() >= 5, "{help}");
+    for example in examples {
+        // An output that cannot be written is what is found first, once the arguments make sense.
+        let args: Vec<_> = example.split_whitespace().collect();
+        let outputs =
+            ["still.png", "film.gif", "film.mp4", "tour.mp4", "run.html", "two.png", "near.png", "search.png"];
+        let nowhere: Vec<String> = args
+            .iter()
+            .map(|word| if outputs.contains(word) { format!("nowhere/{word}") } else { (*word).to_owned() })
+            .collect();
+        let nowhere: Vec<&str> = nowhere.iter().map(String::as_str).collect();
+        refuse(&story, &nowhere, &["nowhere/", "the folder does not exist"]);
+    }
+}

@@ -6,11 +6,10 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use clap::CommandFactory;
 use serde_json::Value as Json;
 use wildfire::batch::drives::DRIVE_COLUMNS;
 use wildfire::batch::table::{AGENT_COLUMNS, is_measured};
-use wildfire::cli::Arguments;
+use wildfire::cli;
 
 use crate::children::{output_of, program};
 
@@ -53,13 +52,18 @@ fn schema(of: &str) -> Json {
 fn add_options(command: &clap::Command, path: &str, found: &mut BTreeSet<String>) {
     found.insert(path.to_owned());
     for option in command.get_arguments() {
-        let long = option.get_long_and_visible_aliases().into_iter().flatten();
         // Hidden ones are earlier names, which are still taken.
-        let long = long.chain(option.get_all_aliases().into_iter().flatten());
-        found.extend(long.map(|name| format!("{path} --{name}")));
+        let long = option.get_long().into_iter().chain(option.get_all_aliases().into_iter().flatten());
+        let names: Vec<String> = long.map(|name| format!("{path} --{name}")).collect();
         found.extend(option.get_short().map(|letter| format!("{path} -{letter}")));
-        let name = option.get_long().map_or_else(String::new, |name| format!(" --{name}"));
-        found.extend(option.get_possible_values().iter().map(|word| format!("{path}{name} = {}", word.get_name())));
+        let names_or_place = if names.is_empty() { &[path.to_owned()] } else { &names[..] };
+        let words = option.get_possible_values();
+        found.extend(
+            names_or_place
+                .iter()
+                .flat_map(|name| words.iter().map(move |word| format!("{name} = {}", word.get_name()))),
+        );
+        found.extend(names);
     }
     for part in command.get_subcommands() {
         add_options(part, &format!("{path} {}", part.get_name()), found);
@@ -68,7 +72,7 @@ fn add_options(command: &clap::Command, path: &str, found: &mut BTreeSet<String>
 
 fn names_of_today() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    let mut command = Arguments::command();
+    let mut command = cli::program();
     command.build();
     add_options(&command, "wildfire", &mut found);
     let schemas = command.find_subcommand("schema").and_then(|schema| schema.get_positionals().next());

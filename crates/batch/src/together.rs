@@ -306,7 +306,7 @@ impl Serialize for TogetherReport {
 fn shown(mut sentences: Vec<String>) -> Vec<String> {
     let more = sentences.len().saturating_sub(SHOWN_FAULTS);
     sentences.truncate(SHOWN_FAULTS);
-    sentences.extend((more > 0).then(|| format!("{more} more; --json has all.")));
+    sentences.extend((more > 0).then(|| format!("{more} more; --format json has all.")));
     sentences
 }
 

@@ -19,8 +19,8 @@ mod memory;
 mod read;
 mod site;
 
-pub use explain::explain;
 pub use explain::warnings::{doubts_of_files, warnings_of_map};
+pub use explain::{explain, outline};
 pub use faults::error::{Fault, MapFault, ScenarioError, SourceLocation, nearest_name};
 pub use faults::path::{FieldPath, PathStep};
 pub use keys::agents::MemoryPart;

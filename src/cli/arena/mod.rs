@@ -104,7 +104,7 @@ pub struct ArenaRunArguments {
     #[arg(long, value_name = "WHICH", default_value = "public")]
     pub seeds: String,
     /// Folder of the board.
-    #[arg(long, value_name = "DIR", default_value = BOARD)]
+    #[arg(short = 'o', long = "out", alias = "board", value_name = "DIR", default_value = BOARD)]
     pub board: PathBuf,
     #[command(flatten)]
     pub play: ArenaPlayArguments,

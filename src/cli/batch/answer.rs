@@ -14,8 +14,8 @@ use wildfire_batch::stats::{Interval, Series};
 use wildfire_batch::stopping::Look;
 use wildfire_batch::table::RUN_COLUMNS;
 
-/// The JSON object that `wildfire batch --json` and `wildfire merge --json` print, and the beginning of that of
-/// `wildfire report --json`; the members in their order.
+/// The JSON object that `wildfire batch --format json` and `wildfire merge --format json` print, and the beginning of that of
+/// `wildfire report --format json`; the members in their order.
 #[derive(Serialize, JsonSchema)]
 pub struct BatchObject {
     program_version: &'static str,

@@ -64,7 +64,7 @@ pub struct BatchArguments {
     pub skip_refused: bool,
     /// Seeds: inclusive ranges and lists, such as `1..5`, `1,5,9` or `1..100,200`; or `@FILE` to read them from a file
     /// [default: 1..5].
-    #[arg(short, long, alias = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
+    #[arg(short, long, allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
     /// Stop when this is known: `decided`, which of two variants has more of the metric, for each pair; `groups`, which
     /// entries are the best, while those that are worse are dropped; or `METRIC=HALF-WIDTH`, the difference of each pair,
@@ -101,13 +101,13 @@ pub struct BatchArguments {
     #[arg(long, value_name = "WHICH")]
     pub record: Option<Record>,
     /// Judge this number of decisions of each run when all runs are done, and write decisions.parquet.
-    #[arg(long, value_name = "DECISIONS", conflicts_with = "json", allow_hyphen_values = true, value_parser = parse_sample)]
+    #[arg(long = "decisions", alias = "why", value_name = "N", allow_hyphen_values = true, value_parser = parse_sample)]
     pub why: Option<usize>,
     /// List the planned runs without running them.
     #[arg(long)]
     pub dry_run: bool,
     /// Also print the CPU time of each part.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long)]
     pub profile: bool,
     /// Resume the stopped batch in this folder.
     #[arg(

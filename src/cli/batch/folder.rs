@@ -53,7 +53,7 @@ Examples:
   wildfire report runs/contest
   wildfire report runs/contest --pages
   wildfire report runs/contest --pdf --width-mm 88
-  wildfire report runs/contest --metric truck_distance_m,truck_cusps --tex > tables.tex
+  wildfire report runs/contest --metric truck_distance_m,truck_cusps --format tex > tables.tex
 
 In PDF charts, text is outlined in the built-in font Arimo; in PGF charts it stays text,
 which LaTeX sets in the paper's font.")]
@@ -67,7 +67,7 @@ pub struct ReportArguments {
     /// Limit charts and printed tables to these columns of runs.csv; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
     pub metric: Vec<String>,
-    /// With --tex, --md or --html, also print a row for each run.
+    /// With --format tex, md or html, also print a row for each run.
     #[arg(help_heading = "Papers", long, conflicts_with = "metric")]
     pub rows: bool,
     #[command(flatten)]
@@ -482,7 +482,7 @@ impl From<&StatusReport> for Document {
         }));
         if failures.len() > LISTED_FAILURES {
             let more = count(failures.len() - LISTED_FAILURES, "more variant");
-            sentences.push(format!("Runs of {more} failed too; `--json` lists all reasons."));
+            sentences.push(format!("Runs of {more} failed too; `--format json` lists all reasons."));
         }
         if listed < slices.len() {
             let complete = slices.iter().filter(|slice| slice.state == "complete").count();

@@ -44,6 +44,8 @@ const LISTED_VARIANTS: usize = 50;
 const LISTED_FILES: usize = 10;
 
 pub fn run(arguments: &BatchArguments, context: &CommandContext) -> Result<ExitCode, CliError> {
+    arguments.form.expect_no_json_with("--profile", arguments.profile)?;
+    arguments.form.expect_no_json_with("--decisions", arguments.why.is_some())?;
     // This comes before anything is read, as a wrong `K/N` is an error of the command line alone.
     let slice = arguments.slice()?;
     let mut left_out = 0;

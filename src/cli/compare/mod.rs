@@ -20,8 +20,8 @@ Examples:
   wildfire compare runs/planners --by planner
   wildfire compare runs/sweep --by field.coverage=0.05,0.1,0.2 --where planner=prm-rs
   wildfire compare runs/contest runs/other --metric saved,truck_won,truck_cusps
-  wildfire compare runs/original --with report
-  wildfire compare runs/planners --by planner --html > planners.html
+  wildfire compare runs/original --published report
+  wildfire compare runs/planners --by planner --format html > planners.html
   wildfire compare runs/contest runs/other --csv differences.csv
   wildfire compare runs/contest runs/other --metric saved --power 1
   wildfire compare runs/contest runs/other --metric truck_won --equivalent 5%
@@ -52,7 +52,7 @@ pub struct CompareArguments {
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = parse_where)]
     pub only: Vec<(String, String)>,
     /// Compare a batch with published tables instead.
-    #[arg(long, value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
+    #[arg(long = "published", alias = "with", value_name = "WHAT", conflicts_with_all = ["by", "metric"])]
     pub with: Option<Published>,
     /// The metrics to compare; may be repeated.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',')]
@@ -65,7 +65,7 @@ pub struct CompareArguments {
     #[arg(long, value_name = "MARGIN", conflicts_with = "with", allow_hyphen_values = true)]
     pub equivalent: Option<Amount>,
     /// Write the differences to a CSV file, a row for each metric of each side.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv", conflicts_with = "with")]
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "with")]
     pub csv: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,

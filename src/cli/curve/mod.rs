@@ -34,8 +34,8 @@ radius is from 0.001 to 1e6 m.
 
 Examples:
   wildfire curve --from 0,0,0 --to 20,15,180
-  wildfire curve --from 0,0,0 --to 20,15,180 --radius 8 --png curve.png
-  wildfire curve --from 0,0,0 --to 20,15,180 --cusp-m 30 --json
+  wildfire curve --from 0,0,0 --to 20,15,180 --turning-radius 8 --png curve.png
+  wildfire curve --from 0,0,0 --to 20,15,180 --cusp-m 30 --format json
   wildfire curve --pairs pairs.csv --csv lengths.csv"
 )]
 pub struct CurveArguments {
@@ -46,7 +46,7 @@ pub struct CurveArguments {
     #[arg(long, value_name = "X,Y,DEG", allow_hyphen_values = true, value_parser = pose, requires = "from")]
     pub to: Option<End>,
     /// Smallest turning radius of the middle of the rear axle.
-    #[arg(long, value_name = "METRES", default_value = "13", allow_hyphen_values = true, value_parser = radius)]
+    #[arg(long = "turning-radius", alias = "radius", value_name = "METRES", default_value = "13", allow_hyphen_values = true, value_parser = radius)]
     pub radius: f64,
     /// Cost of a metre in reverse, in metres driven forward; adds the cheapest Reeds-Shepp curve [default: 1].
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = price, conflicts_with = "pairs")]
@@ -59,12 +59,12 @@ pub struct CurveArguments {
     pub pairs: Option<PathBuf>,
     /// Write poses along the curves: curve,s_m,x_m,y_m,heading_rad,direction. With --pairs, write its columns and
     /// reeds_shepp_m,reeds_shepp_word,dubins_m,dubins_word.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Largest distance between poses in the CSV file, in metres; all joints are included.
     #[arg(
-        help_heading = "Output",
-        long,
+        long = "step-m",
+        alias = "step",
         value_name = "METRES",
         default_value = "0.05",
         allow_hyphen_values = true,
@@ -74,7 +74,7 @@ pub struct CurveArguments {
     )]
     pub step: f64,
     /// Draw the curves.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png", conflicts_with = "pairs")]
+    #[arg(long, value_name = "FILE.png", conflicts_with = "pairs")]
     pub png: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
@@ -179,13 +179,13 @@ mod tests {
         };
         let pose = |case: &mut Case<'_>| [(); 3].map(|()| number(case)).join(",");
         let mut args = ["--from", &pose(case), "--to", &pose(case)].map(str::to_owned).to_vec();
-        for option in ["--radius", "--reverse-factor", "--cusp-m"] {
+        for option in ["--turning-radius", "--reverse-factor", "--cusp-m"] {
             if case.chance(40) {
                 args.extend([option.to_owned(), number(case)]);
             }
         }
         if case.chance(50) {
-            args.push("--json".into());
+            args.push("--format=json".into());
         }
         let Some(Command::Curve(arguments)) = parsed(case, "curve", args)? else { return Ok(()) };
         let (Some(from), Some(to)) = (arguments.from, arguments.to) else { return Err("a pose is missing".into()) };
@@ -204,7 +204,7 @@ mod tests {
             if count == 0 { Err("a curve without a pose".into()) } else { Ok(()) }
         } else {
             let rendered = arguments.form.render(&report);
-            if arguments.form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+            if arguments.form.is_json() && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
                 return Err(format!("this is no JSON: {rendered}"));
             }
             check_message(&rendered)

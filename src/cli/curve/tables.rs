@@ -52,8 +52,8 @@ pub fn check_samples(curves: &[FoundCurve], step_m: f64) -> Result<(), CliError>
     if rows <= MAX_ROWS {
         return Ok(());
     }
-    let sentence = format!("--step is {step_m} m: the curves have {rows:.0} steps, expected at most {MAX_ROWS}");
-    Err(CliError::bad_input(sentence, Some("choose a larger --step")))
+    let sentence = format!("--step-m is {step_m} m: the curves have {rows:.0} steps, expected at most {MAX_ROWS}");
+    Err(CliError::bad_input(sentence, Some("choose a larger --step-m")))
 }
 
 /// Writes `curve,s_m,x_m,y_m,heading_rad,direction`, the samples of [`poses_along`]. Numbers are the shortest decimals that read

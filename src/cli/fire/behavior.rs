@@ -51,7 +51,7 @@ ray_horizontal_m_min.
 
 Examples:
   wildfire fire behavior --fuel GR2 --wind 5@270
-  wildfire fire behavior --fuel SH5 --wind 12@200 --wind-height 10m --slope 0.3 --json
+  wildfire fire behavior --fuel SH5 --wind 12@200 --wind-height 10m --slope 0.3 --format json
   wildfire fire behavior --fuel 102 --wind 3 --azimuths 0,45,...
   wildfire fire behavior --fuel TU5 --wind 9@270 --canopy-height 20 --canopy-base 1.5 --canopy-density 0.05
   wildfire fire behavior --conditions in.csv --csv out.csv --combine flat
@@ -105,7 +105,7 @@ pub struct BehaviorArguments {
     )]
     pub conditions: Option<PathBuf>,
     /// Write the conditions and the resulting fires.
-    #[arg(help_heading = "Output", long, value_name = "OUT.csv", requires = "conditions")]
+    #[arg(long, value_name = "OUT.csv", requires = "conditions")]
     pub csv: Option<PathBuf>,
     /// Print the fuel models.
     #[arg(long)]

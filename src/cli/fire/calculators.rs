@@ -23,7 +23,7 @@ pub struct TableArguments {
     #[arg(long, value_name = "IN.csv")]
     pub csv: PathBuf,
     /// CSV file for the table with its answers; `-` is stdout.
-    #[arg(help_heading = "Output", short, long, value_name = "OUT.csv", default_value = "-")]
+    #[arg(short, long, value_name = "OUT.csv", default_value = "-")]
     pub out: PathBuf,
 }
 

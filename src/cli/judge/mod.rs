@@ -98,7 +98,7 @@ pub struct JudgeArguments {
     #[command(flatten)]
     pub form: FormArguments,
     /// Write a row for each goal and planner.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
 }
 

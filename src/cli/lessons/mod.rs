@@ -32,7 +32,7 @@ Example:
   wildfire lessons course")]
 pub struct LessonsArguments {
     /// Folder for the pages; it is created if it is missing.
-    #[arg(value_name = "FOLDER")]
+    #[arg(value_name = "FOLDER", default_value = "lessons")]
     pub folder: PathBuf,
 }
 

@@ -192,7 +192,7 @@ then has the bound and the difference.
 
 Examples:
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
-    --weight 2 --json
+    --weight 2 --format json
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\
     --png a.png
   wildfire map astar assets/maps/u-trap.txt --goal 10,27 --start 10,2 \\

@@ -31,7 +31,7 @@ pub struct NoParameters {}
 #[derive(Debug, Default, Args)]
 pub struct FilmArguments {
     /// Draw the spreading front as an animation.
-    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
 }
 
@@ -106,9 +106,9 @@ pub struct WavefrontArguments {
     #[command(flatten)]
     #[serde(flatten)]
     pub corners: CornerArguments,
-    /// Divide the values by the largest and multiply them by S.
-    #[arg(long, value_name = "S", allow_hyphen_values = true, value_parser = parse_number)]
-    pub scale: Option<f64>,
+    /// Largest value after scaling, or `none`.
+    #[arg(long, value_name = "S|none", default_value = "none", allow_hyphen_values = true, value_parser = parse_scale)]
+    pub scale: Scale,
 }
 
 #[derive(Debug, Args, Serialize)]
@@ -249,7 +249,7 @@ impl CostArguments {
 
 impl ArgumentGroup for WavefrontArguments {
     fn check(&self) -> Result<(), BadParameter> {
-        self.scale.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
+        self.scale.0.map_or(Ok(()), |scale| BadParameter::unless_positive("the scale", scale))
     }
 
     fn more_files(&self) -> [(Format, &Option<PathBuf>); 2] {
@@ -430,7 +430,7 @@ pub fn wave(occupied: &Grid<bool>, arguments: &WavefrontArguments) -> Result<Com
     let (walk, cpu_path) = walk.unzip();
     // They are counted in steps and not in scaled values, where a cell that was not reached has a number too.
     let unreached = Some(steps.values().iter().filter(|&&value| value == UNREACHED).count());
-    let (value_name, values) = match arguments.scale {
+    let (value_name, values) = match arguments.scale.0 {
         Some(scale) => ("scaled value", MapValues::Reals(scaled(&steps, scale))),
         None => ("steps + 2", MapValues::Steps(steps)),
     };

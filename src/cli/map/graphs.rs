@@ -26,10 +26,10 @@ use wildfire_picture::GrownPath;
 #[derive(Debug, Default, Args)]
 pub struct GraphFiles {
     /// Write the edges in the order in which they were added: order,from_row,from_col,to_row,to_col.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub edges: Option<PathBuf>,
     /// Draw the growing tree or roadmap as an animation.
-    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
 }
 
@@ -54,7 +54,7 @@ pub struct Growth {
 #[derive(Debug, Args, Serialize)]
 pub struct Near {
     /// Number of nearest points that are neighbours, from 1 to 1000 [default: 2e ln n of n points].
-    #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = parse_count)]
+    #[arg(long = "nearest", alias = "neighbours", value_name = "K", allow_hyphen_values = true, value_parser = parse_count)]
     pub neighbours: Option<u32>,
     /// Maximum distance of neighbours in cells [default: no limit].
     #[arg(long, value_name = "CELLS", allow_hyphen_values = true, value_parser = parse_number)]

@@ -66,7 +66,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
         let sweep = DescentSweep::new(computation, query, &map, cpu_read);
         let sweep = sweep.map_err(|problem| refused(&input.map, &problem))?;
         // JSON has the sentences as members, and people at a terminal should still see them.
-        if output.form.json && !quiet {
+        if output.form.is_json() && !quiet {
             sweep.sentences().iter().for_each(|sentence| terminal::note(sentence));
         }
         let printed = stream.print(&output.form.render(&sweep));
@@ -81,7 +81,7 @@ fn compute_and_report(computation: &Computation, quiet: bool) -> Result<(), CliE
     }
     let computed = computation.compute(&map.occupied).map_err(|problem| refused(&input.map, &problem))?;
     let report = MapReport::new(computation, &map, &computed, cpu_read);
-    if output.form.json && !quiet {
+    if output.form.is_json() && !quiet {
         report.sentences().iter().for_each(|sentence| terminal::note(sentence));
     }
     let printed = stream.print(&output.form.render(&report));
@@ -214,7 +214,7 @@ mod tests {
         let report = MapReport::new(&command, &map, &computed, Duration::ZERO);
         let form = command.files().output.form;
         let rendered = form.render(&report);
-        if form.json && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
+        if form.is_json() && serde_json::from_str::<serde_json::Value>(&rendered).is_err() {
             return Err(format!("this is no JSON: {rendered}"));
         }
         check_message(&rendered)

@@ -118,35 +118,28 @@ impl ReadingArguments {
 #[command(group = ArgGroup::new("picture").args(["png", "overlay", "surface"]).multiple(true))]
 pub struct OutputArguments {
     /// Write the values as CSV, without a header; floats with 12 significant digits.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Write the values as a NumPy array.
-    #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
+    #[arg(long, value_name = "FILE.npy")]
     pub npy: Option<PathBuf>,
     /// Draw the values from above, with path, start and goal.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     /// Draw the values over the input.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     pub overlay: Option<PathBuf>,
     /// Draw the values as a surface in space.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     pub surface: Option<PathBuf>,
     /// Write the path, ROW,COLUMN per line from the start; an empty file without a path.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub path: Option<PathBuf>,
     /// Write the value of every cell into it, on maps of at most 60 columns and rows.
-    #[arg(help_heading = "Output", long, requires = "png")]
+    #[arg(long, requires = "png")]
     pub values: bool,
     /// Colours of the pictures; blue-yellow is much like MATLAB's parula, which is not free.
-    #[arg(
-        help_heading = "Output",
-        long,
-        value_enum,
-        value_name = "NAME",
-        default_value = "viridis",
-        requires = "picture"
-    )]
+    #[arg(long, value_enum, value_name = "NAME", default_value = "viridis", requires = "picture")]
     pub colormap: Colours,
     #[command(flatten)]
     pub form: FormArguments,

@@ -28,10 +28,10 @@ use wildfire_grid::{CornerCutting, Grid, Place};
 #[derive(Debug, Default, Args)]
 pub struct SearchFiles {
     /// Write the cells in the order of expansion: order,row,col,cost.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub expansions: Option<PathBuf>,
     /// Draw the search as an animation, expansion by expansion.
-    #[arg(help_heading = "Output", long, value_name = "FILE.gif")]
+    #[arg(long, value_name = "FILE.gif")]
     pub gif: Option<PathBuf>,
 }
 

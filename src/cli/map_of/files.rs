@@ -25,22 +25,22 @@ const NODATA: f32 = -9999.0;
 #[derive(Debug, Args)]
 pub struct MapOfFiles {
     /// Write an ESRI ASCII grid.
-    #[arg(help_heading = "Output", long, value_name = "FILE.asc")]
+    #[arg(long, value_name = "FILE.asc")]
     asc: Option<PathBuf>,
     /// Write a GeoTIFF.
-    #[arg(help_heading = "Output", long, value_name = "FILE.tif")]
+    #[arg(long, value_name = "FILE.tif")]
     tif: Option<PathBuf>,
     /// Write a NumPy array.
-    #[arg(help_heading = "Output", long, value_name = "FILE.npy")]
+    #[arg(long, value_name = "FILE.npy")]
     npy: Option<PathBuf>,
     /// Write time, fire type, flame length and intensity of one run as the bands of a GeoTIFF.
-    #[arg(help_heading = "Output", long, value_name = "FILE.tif", conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity", "flame_class"])]
+    #[arg(long, value_name = "FILE.tif", conflicts_with_all = ["burn_probability", "mean_arrival", "mean_intensity", "flame_class"])]
     pub bands: Option<PathBuf>,
     /// Draw the map.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
     /// A heading above the picture.
-    #[arg(help_heading = "Output", long, value_name = "TEXT", requires = "png")]
+    #[arg(long, value_name = "TEXT", requires = "png")]
     title: Option<String>,
 }
 

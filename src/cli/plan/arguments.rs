@@ -50,13 +50,13 @@ pub struct PlanArguments {
     pub overrides: Vec<String>,
     /// Several seeds, each with its own field, goals and random numbers: inclusive ranges and lists, such as `1..30` or
     /// `1,5,9`; or `@FILE` to read them from a file.
-    #[arg(help_heading = "Benchmarks", long, conflicts_with = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
+    #[arg(long, conflicts_with = "seed", allow_hyphen_values = true, value_parser = parse_seeds)]
     pub seeds: Option<SeedsArgument>,
     /// Number of threads of a benchmark; several inflate the CPU times [default: 1].
-    #[arg(help_heading = "Benchmarks", short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
+    #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write all queries and a page with tables and charts into this folder; `wildfire plan report DIR` writes the page again.
-    #[arg(help_heading = "Benchmarks", short = 'o', long = "out", alias = "report", value_name = "DIR")]
+    #[arg(short = 'o', long = "out", alias = "report", value_name = "DIR")]
     pub report: Option<PathBuf>,
     #[command(flatten)]
     pub programs: ProgramArguments,
@@ -68,20 +68,20 @@ pub struct PlanArguments {
     #[command(flatten)]
     pub form: FormArguments,
     /// Write a row for each goal and planner.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Write poses along the paths, at most 5 cm apart: field,goal,planner,s_m,x_m,y_m,heading_rad,direction.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub paths: Option<PathBuf>,
     /// Write an OMPL benchmark log, for Planner Arena.
-    #[arg(help_heading = "Output", long, value_name = "FILE.log")]
+    #[arg(long, value_name = "FILE.log")]
     pub ompl: Option<PathBuf>,
     /// Draw field and paths; several fields go to separate files, FILE-FIELD.png.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     /// Write lower bounds on the lengths of all paths to goal poses, with proofs that `wildfire judge --certificate` checks,
     /// and add the column `certified_bound_m`.
-    #[arg(help_heading = "Output", long, value_name = "FILE.json", conflicts_with_all = ["seeds", "jobs", "report"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["seeds", "jobs", "report"])]
     pub certify: Option<PathBuf>,
     #[command(flatten)]
     pub together: TogetherArguments,

@@ -28,7 +28,7 @@ const NOTES: &str = "\
 Examples:
   wildfire rank runs/planners
   wildfire rank runs/anna runs/ben runs/cem --metric mean_response_s
-  wildfire rank runs/course --html > ranking.html
+  wildfire rank runs/course --format html > ranking.html
   wildfire rank runs/course --csv ranking.csv --sheets sheets
   wildfire rank runs/sweep --where field.coverage=0.1
   wildfire rank runs/course --audit 3 --trust
@@ -74,15 +74,15 @@ pub struct RankArguments {
     #[arg(short, long, env = "WILDFIRE_JOBS", allow_hyphen_values = true, value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write the table of entries to a CSV file.
-    #[arg(help_heading = "Output", long, value_name = "FILE.csv")]
+    #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
     /// Keep a page with the ranking that renews itself, without seeds, until Ctrl-C; batches may be folders of batches, in
     /// which new ones may appear.
-    #[arg(help_heading = "Output", long, value_name = "PAGE.html", conflicts_with_all = ["audit", "csv", "sheets", "report_form"])]
+    #[arg(long, value_name = "PAGE.html", conflicts_with_all = ["audit", "csv", "sheets", "report_form"])]
     pub watch: Option<PathBuf>,
     /// Write a Markdown sheet for each entry into this folder: rank, failed queries by reason, worst runs; and a sheet for the
     /// instructor, with seeds.
-    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR")]
     pub sheets: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,

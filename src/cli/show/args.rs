@@ -39,7 +39,7 @@ pub struct ShowArguments {
     #[arg(long = "with-set", value_name = "KEY=VALUE")]
     pub with_overrides: Vec<String>,
     /// Mark decisions of the first run by their verdicts, from the JSON of `wildfire why`.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long = "verdicts", alias = "why", value_name = "FILE")]
     pub why: Option<PathBuf>,
     /// Additional layers to show; `-NAME` hides a layer, `none` hides all.
     #[arg(long, value_name = "NAME[,NAME...]", value_delimiter = ',', allow_hyphen_values = true)]

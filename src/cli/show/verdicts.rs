@@ -1,4 +1,4 @@
-//! Verdicts on the decisions of a run, as `wildfire why --json` prints them.
+//! Verdicts on the decisions of a run, as `wildfire why --format json` prints them.
 
 use std::path::Path;
 
@@ -30,11 +30,11 @@ struct JudgedDecision {
 /// Reads the verdicts on a run.
 ///
 /// # Errors
-/// If the file is not the output of `wildfire why --json`, or that of another run.
+/// If the file is not the output of `wildfire why --format json`, or that of another run.
 pub fn read(path: &Path, timeline: &Timeline) -> Result<Vec<(SimTime, Verdict)>, CliError> {
     let text = input_file::read_text(path, MAX_BYTES).map_err(|error| CliError::unreadable(path, &error))?;
     let why: Why = serde_json::from_str(&text).map_err(|error| {
-        let sentence = format!("{}: {error}; expected the output of `wildfire why --json`", path.display());
+        let sentence = format!("{}: {error}; expected the output of `wildfire why --format json`", path.display());
         CliError::bad_input(sentence, None)
     })?;
     let setting = &timeline.setting;

@@ -86,6 +86,40 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     document
 }
 
+/// Keys that matter most to what happens in a run.
+const MAIN_KEYS: &str = "duration_s field.size_m field.cell_m field.coverage field.map fire.model fire.spread_delay_s \
+    fire.spread_radius_m fire.burn_out_s suppression.reach_m suppression.dwell_s score.truck_extinguished \
+    wumpus.goal wumpus.planner wumpus.speed_mps unimog.goal unimog.planner unimog.speed_mps \
+    unimog.vehicle.turning_radius_m dispatch.policy";
+
+/// The most values of an outline: they fit on a screen.
+const MAX_OUTLINE: usize = 24;
+
+/// Lists the main values of a scenario, of its first truck and Wumpus, and then those that it sets otherwise than the
+/// contest, what the contest has not first; each as a change of it is written: `key=value`.
+pub fn outline(loaded: &LoadedScenario) -> Vec<String> {
+    let contest = LoadedScenario::open("contest", &[]).expect("it is built in").values();
+    let mut ranked = Vec::new();
+    for (path, value) in loaded.values().into_iter().filter(|(path, value)| value != "[]" && path != "name") {
+        let key = path.replacen("unimog.0.", "unimog.", 1).replacen("wumpus.0.", "wumpus.", 1);
+        let (table, rest) = key.split_once('.').unwrap_or_default();
+        // There may be hundreds of further agents.
+        let is_further_agent = ["unimog", "wumpus"].contains(&table) && rest.starts_with(|c: char| c.is_ascii_digit());
+        let rank = if MAIN_KEYS.split(' ').any(|main| main == key) {
+            0
+        } else if is_further_agent || !loaded.is_set(&path) || contest.contains(&(path, value.clone())) {
+            continue;
+        } else if contest.iter().any(|(other, _)| other.split('.').next() == Some(table) && other != table) {
+            2
+        } else {
+            1
+        };
+        ranked.push((rank, format!("{key}={value}")));
+    }
+    ranked.sort_by_key(|(rank, _)| *rank);
+    ranked.into_iter().take(MAX_OUTLINE).map(|(_, line)| line).collect()
+}
+
 /// Marks a value that is left to its default.
 const DEFAULT: char = '*';
 

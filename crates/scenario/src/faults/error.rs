@@ -215,7 +215,11 @@ impl fmt::Debug for SourceLocation {
 /// Finds the name in `valid_names` that is most like `name`, if any is similar enough to be meant.
 pub fn nearest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let name = name.to_lowercase();
-    let scored = candidates.into_iter().map(|other| (strsim::jaro_winkler(&name, other), other));
+    let scored = candidates.into_iter().map(|other| {
+        // A whole word is no slip, such as `astar` for `hybrid-astar`.
+        let is_word = other.split(['-', '_', '+']).any(|word| word == name);
+        (strsim::jaro_winkler(&name, other).max(if is_word { 0.8 } else { 0.0 }), other)
+    });
     let best = scored.max_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(one.1)))?;
     (best.0 > 0.75).then(|| best.1.to_owned())
 }

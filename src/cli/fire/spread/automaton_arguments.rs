@@ -57,7 +57,7 @@ pub struct AutomatonArguments {
     #[arg(help_heading = HEADING, short, long, env = "WILDFIRE_JOBS", value_name = "N", value_parser = parse_jobs)]
     pub jobs: Option<NonZeroUsize>,
     /// Write each fire's burned cells and the last step with an ignition: run,area,last_step.
-    #[arg(help_heading = HEADING, long, value_name = "FILE.csv")]
+    #[arg(help_heading = HEADING, long = "csv", alias = "areas", value_name = "FILE.csv")]
     pub areas: Option<PathBuf>,
 }
 

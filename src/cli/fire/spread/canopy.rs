@@ -35,7 +35,7 @@ pub struct CanopyArguments {
     pub crown_method: CrownMethod,
     /// Write the kind of fire of each cell: 0 surface, 1 passive, 2 conditional, 3 active, -9999 where nothing burned;
     /// the name ends in .asc or .tif.
-    #[arg(help_heading = "Output", long, requires = "canopy_height", value_name = "FILE")]
+    #[arg(long, requires = "canopy_height", value_name = "FILE")]
     pub fire_type: Option<PathBuf>,
 }
 

@@ -55,12 +55,12 @@ Examples:
   wildfire fire spread --rows 201 --cols 201 --cell 5 --fuel 102 --ignite 50,50 \
 --wind 0:2.22@270,4800:2.22@180 --duration 9600 --arrival arrival.asc
   wildfire fire spread --fuel fuel.tif --elevation dem.tif --wind 4@250 \
---ignite 120,80 --ignite 300,90@600 --duration 7200 --json
+--ignite 120,80 --ignite 300,90@600 --duration 7200 --format json
   wildfire fire spread --fuel TU5 --wind 9@270 --canopy-height ch.tif --canopy-base cbh.tif \
 --canopy-density cbd.tif --canopy-cover cc.tif --bands fire.tif
   wildfire fire spread --fuel fuel.tif --wind 4@250 --duration 6:00:00 --perimeters hours.geojson
   wildfire fire spread --model alexandridis --rows 121 --cols 121 --steps 40 --runs 1000
-  wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --areas areas.csv")]
+  wildfire fire spread --model alexandridis --p0 0.3 --wind 8@270 --csv areas.csv")]
 pub struct SpreadArguments {
     /// Spread model.
     #[arg(long, value_enum, value_name = "NAME", default_value = "rothermel")]
@@ -117,8 +117,8 @@ pub struct SpreadArguments {
     pub duration: f64,
     #[command(flatten)]
     pub canopy: CanopyArguments,
-    /// Neighbours that fire reaches in a straight line: 8, 16 or 32.
-    #[arg(long, value_name = "N", default_value = "32", value_parser = neighbours)]
+    /// Neighbours of a cell that fire reaches in a straight line.
+    #[arg(long, value_name = "8|16|32", default_value = "32", value_parser = neighbours)]
     pub neighbours: Neighbours,
     /// Memory limit of the fire, such as 4GB [default: 2GB].
     #[arg(long, value_name = "SIZE")]
@@ -128,15 +128,15 @@ pub struct SpreadArguments {
     #[command(flatten)]
     pub automaton: AutomatonArguments,
     /// Write when each cell caught fire, in seconds, -9999 where nothing burned; the name ends in .asc, .tif or .npy.
-    #[arg(help_heading = "Output", long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE")]
     pub arrival: Option<PathBuf>,
     /// Write time, fire type, flame length and intensity of each cell as the bands of a GeoTIFF.
-    #[arg(help_heading = "Output", long, value_name = "FILE.tif")]
+    #[arg(long, value_name = "FILE.tif")]
     pub bands: Option<PathBuf>,
     #[command(flatten)]
     perimeters: PerimeterArguments,
     /// Draw arrival times with contour lines.
-    #[arg(help_heading = "Output", long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png")]
     pub png: Option<PathBuf>,
     #[command(flatten)]
     pub form: FormArguments,
@@ -250,7 +250,7 @@ impl SpreadArguments {
         let (options, model) = match self.model {
             ModelName::Rothermel => {
                 let AutomatonArguments { areas, steps, .. } = &self.automaton;
-                (vec![("--areas", areas.is_some()), ("--steps", steps.is_some())], "alexandridis")
+                (vec![("--csv", areas.is_some()), ("--steps", steps.is_some())], "alexandridis")
             }
             ModelName::Alexandridis => {
                 let rasters = [("--fuel", self.fuel.is_some()), ("--elevation", self.elevation.is_some())];

@@ -23,11 +23,11 @@ const MAX: f64 = 1000.0;
 #[derive(Debug, Args)]
 pub struct PerimeterArguments {
     /// Write what has burned by the hour as polygons, in the coordinates of the rasters.
-    #[arg(help_heading = "Output", long, value_name = "FILE.geojson")]
+    #[arg(long, value_name = "FILE.geojson")]
     pub perimeters: Option<PathBuf>,
     /// Time between two perimeters.
     #[arg(
-        help_heading = "Output", long, value_name = "TIME", default_value = "3600", requires = "perimeters",
+        long, value_name = "TIME", default_value = "3600", requires = "perimeters",
         allow_hyphen_values = true, value_parser = super::time_s
     )]
     pub every: f64,

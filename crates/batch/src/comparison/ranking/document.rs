@@ -166,7 +166,7 @@ fn remarks(ranking: &Ranking) -> Vec<String> {
     lines.extend(ranking.entries.iter().filter_map(|entry| entry.queries.machine_sentence(&name(entry))));
     lines.extend(audit_lines(ranking));
     if ranking.entries.iter().any(|entry| entry.groups.is_none()) {
-        lines.push("More groups than letters: see the ranks, or the pairs in --json".into());
+        lines.push("More groups than letters: see the ranks, or the pairs in --format json".into());
     }
     lines
 }
@@ -220,7 +220,7 @@ fn notes(ranking: &Ranking) -> Vec<String> {
     }
     let apart = ranking.pairs.iter().filter(|pair| pair.is_significant);
     let min = apart.clone().filter_map(|pair| pair.p_adjusted).fold(0.0, f64::max);
-    let mut lines = vec![format!("Only neighbours are shown; --json has all {} pairs", ranking.pairs.len())];
+    let mut lines = vec![format!("Only neighbours are shown; --format json has all {} pairs", ranking.pairs.len())];
     let differing = apart.count();
     if differing > 0 {
         lines.push(format!("{differing} pairs differ significantly, the least certain with {}", p_text(min)));
