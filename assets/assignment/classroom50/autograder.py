@@ -19,7 +19,7 @@ def main():
     PROGRAM.chmod(0o755)
     RESULT.unlink(missing_ok=True)
     command = [PROGRAM, "grade", ".", "--rules", HERE / "rules.toml", "--seeds", f"@{HERE / 'public.csv'}"]
-    options = ["--trust", "--quiet", "--for", "classroom50", "--json-out", RESULT]
+    options = ["--trust", "--quiet", "--for", "classroom50", "--out", RESULT]
     # The exit code says whether runs failed; the grade is in the file in any case.
     subprocess.run(command + options, check=False)
     if not RESULT.is_file():
