@@ -141,16 +141,7 @@ pub enum CpuSource {
     Reported,
 }
 
-impl CpuSource {
-    /// Returns the name, as tables write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Thread => "thread",
-            Self::Process => "process",
-            Self::Reported => "reported",
-        }
-    }
-}
+wildfire_base::names! { CpuSource { Thread: "thread", Process: "process", Reported: "reported" } }
 
 impl Plan {
     /// Creates an answer from what was found, or why nothing was.

@@ -6,7 +6,6 @@
 //! [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never how it goes.
 
 use std::collections::VecDeque;
-use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -25,20 +24,9 @@ pub enum MemoryKind {
     Timeline,
 }
 
-impl MemoryKind {
-    pub const ALL: [Self; 4] = [Self::Searches, Self::Floods, Self::Curves, Self::Timeline];
-}
-
-impl fmt::Display for MemoryKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Searches => "searches",
-            Self::Floods => "floods",
-            Self::Curves => "curves of the roadmaps",
-            Self::Timeline => "the timeline",
-        })
-    }
-}
+wildfire_base::names! { MemoryKind {
+    Searches: "searches", Floods: "floods", Curves: "curves of the roadmaps", Timeline: "the timeline",
+} }
 
 /// Counts the memory of everything that grows in one run, and refuses what exceeds the limit.
 #[derive(Clone, Debug)]

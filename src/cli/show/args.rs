@@ -254,19 +254,9 @@ pub enum RunEvent {
     End,
 }
 
-impl RunEvent {
-    const ALL: [Self; 4] = [Self::FirstFire, Self::FirstFailure, Self::LargestSearch, Self::End];
-
-    /// Returns its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FirstFire => "first-fire",
-            Self::FirstFailure => "first-failure",
-            Self::LargestSearch => "largest-search",
-            Self::End => "end",
-        }
-    }
-}
+wildfire_base::names! { RunEvent {
+    FirstFire: "first-fire", FirstFailure: "first-failure", LargestSearch: "largest-search", End: "end",
+} }
 
 /// Reads seconds, `h:mm:ss`, a share of the run as `50%`, or the name of an event.
 pub fn parse_moment(text: &str) -> Result<Moment, String> {

@@ -199,18 +199,11 @@ pub enum FireType {
     Active,
 }
 
+wildfire_base::names! { FireType {
+    Surface: "surface", Passive: "passive", Conditional: "conditional", Active: "active",
+} }
+
 impl FireType {
-    pub const ALL: [Self; 4] = [Self::Surface, Self::Passive, Self::Conditional, Self::Active];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Passive => "passive",
-            Self::Conditional => "conditional",
-            Self::Active => "active",
-        }
-    }
-
     /// Counts the cells of each type among numbers of types.
     pub fn tally(found: &[f64]) -> Vec<(&'static str, usize)> {
         let count = |kind: Self| found.iter().filter(|&&number| number == f64::from(kind as u8)).count();
