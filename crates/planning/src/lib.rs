@@ -82,7 +82,7 @@ pub mod traffic;
 pub mod walk;
 
 pub use judge::lower_bound_m;
-pub use nearest_by_drive::plan_to_nearest;
+pub use nearest_by_drive::{NearestPlan, plan_to_nearest};
 pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryRecord, QueryTime};
 pub use registry::{
     MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
@@ -211,7 +211,7 @@ pub trait TruckPlanner: Send + Sync {
         _start: Pose,
         _discs: &[GoalDisc],
         _observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
+    ) -> Option<NearestPlan> {
         None
     }
 

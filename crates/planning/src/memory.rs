@@ -28,6 +28,13 @@ wildfire_base::names! { MemoryKind {
     Searches: "searches", Floods: "floods", Curves: "curves of the roadmaps", Timeline: "the timeline",
 } }
 
+/// The memory that all holders of a kind have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReservedMemory {
+    pub kind: MemoryKind,
+    pub bytes: u64,
+}
+
 /// Counts the memory of everything that grows in one run, and refuses what exceeds the limit.
 #[derive(Clone, Debug)]
 pub struct MemoryMeter(Arc<Counters>);
@@ -65,10 +72,10 @@ impl MemoryMeter {
         self.0.reserved[kind as usize].load(Ordering::Relaxed)
     }
 
-    /// Returns the kind that holds the most, with its bytes, if memory was refused to a holder.
-    pub fn overrun(&self) -> Option<(MemoryKind, u64)> {
-        let by_size = MemoryKind::ALL.into_iter().map(|kind| (kind, self.reserved_by(kind)));
-        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
+    /// Returns the kind that holds the most if memory was refused to a holder.
+    pub fn overrun(&self) -> Option<ReservedMemory> {
+        let by_size = MemoryKind::ALL.into_iter().map(|kind| ReservedMemory { kind, bytes: self.reserved_by(kind) });
+        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|reserved| reserved.bytes)).flatten()
     }
 }
 
@@ -178,7 +185,10 @@ mod tests {
         let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(70) && search.cover(20));
         assert!(!search.cover(31));
-        assert_eq!((meter.reserved(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));
+        assert_eq!(
+            (meter.reserved(), meter.overrun()),
+            (90, Some(ReservedMemory { kind: MemoryKind::Floods, bytes: 70 }))
+        );
         assert!(!search.cover(1) && !flood.cover(71));
     }
 

@@ -35,7 +35,7 @@ pub fn replan_around(
     let settings = PrimitiveSettings { max_expansions: MAX_EXPANSIONS, ..PrimitiveSettings::default() };
     let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
-        let (mut kept, _) = path.split_at(metres);
+        let [mut kept, _] = path.split_at(metres);
         let rest = search.drive(kept.end(), &[], disc.with_margin().into(), &mut NullObserver).ok()?;
         kept.segments.extend(rest.path.segments);
         Some(kept)
@@ -125,7 +125,7 @@ pub fn plan_among(
     let times = LEAVES.into_iter().map(|before| meets_at.since(before)).filter(|&time| time > departs);
     for leaves_at in times.chain([departs]) {
         let metres = leg.distance_m(leaves_at);
-        let (mut kept, _) = path.split_at(metres);
+        let [mut kept, _] = path.split_at(metres);
         let start = kept.end();
         let start_clearance_m = checker.clearance(start);
         if start_clearance_m <= 0.0 {

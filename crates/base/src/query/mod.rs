@@ -138,10 +138,6 @@ crate::names! { PlanFailure {
 pub struct FailureCounts([u32; PlanFailure::ALL.len()]);
 
 impl FailureCounts {
-    pub fn iter(&self) -> impl Iterator<Item = (PlanFailure, u32)> {
-        PlanFailure::ALL.into_iter().zip(self.0)
-    }
-
     pub fn sum(&self) -> u32 {
         self.0.iter().sum()
     }

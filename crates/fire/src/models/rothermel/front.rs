@@ -361,7 +361,7 @@ impl Front {
         let is_plane = rates.is_plane();
         let here = (!is_plane && !lengths.is_empty()).then(|| spreading(rates, cells, interval.number, index));
         let set = template.set(interval.number);
-        let mut walk = Walk { cells, rates, template, set, lengths, interval, queue, from: index, now, here };
+        let mut walk = SpreadWalk { cells, rates, template, set, lengths, interval, queue, from: index, now, here };
         if is_plane { walk.spread::<true>() } else { walk.spread::<false>() }
     }
 
@@ -533,7 +533,7 @@ impl Front {
 }
 
 /// A walk over the ways from a cell that has just caught fire, far from delays.
-struct Walk<'a> {
+struct SpreadWalk<'a> {
     cells: &'a mut Cells,
     rates: &'a mut Rates,
     template: &'a Template,
@@ -549,7 +549,7 @@ struct Walk<'a> {
 
 /// A way of the walk, over whatever it leads.
 #[derive(Clone, Copy)]
-struct Step<'a> {
+struct SpreadStep<'a> {
     number: usize,
     way: &'a Edge,
     to: usize,
@@ -563,7 +563,7 @@ struct SmoothStep {
     there: Spreading,
 }
 
-impl Walk<'_> {
+impl SpreadWalk<'_> {
     /// Offers times to all neighbours of the cell: what [`arrival_along`] and [`two_point_arrival`] say, with less work where
     /// there is a table of all ways, or where no cell need be looked at twice.
     fn spread<const ON_PLANE: bool>(&mut self) {
@@ -582,7 +582,7 @@ impl Walk<'_> {
             if crossing == Crossing::Blocked {
                 continue;
             }
-            let step = Step { number, way, to, crossing };
+            let step = SpreadStep { number, way, to, crossing };
             let smooth = if ON_PLANE { None } else { self.smooth_step(step) };
             let seconds =
                 if ON_PLANE { Some(self.seconds_on_plane(step)) } else { smooth.map(|smooth| smooth.seconds) };
@@ -637,7 +637,7 @@ impl Walk<'_> {
 
     /// Returns the seconds of a way in the weather of the walk, from the table.
     #[inline]
-    fn seconds_on_plane(&self, Step { number, way, to, crossing }: Step<'_>) -> f64 {
+    fn seconds_on_plane(&self, SpreadStep { number, way, to, crossing }: SpreadStep<'_>) -> f64 {
         let seconds = |index: usize| self.interval.tables[usize::from(self.cells.fuel[index])].along[number].0;
         if crossing == Crossing::Uniform {
             return seconds(to);
@@ -647,7 +647,7 @@ impl Walk<'_> {
 
     /// Returns the same for a way whose wind is taken from its two ends.
     #[inline]
-    fn smooth_step(&mut self, Step { number, way, to, crossing }: Step<'_>) -> Option<SmoothStep> {
+    fn smooth_step(&mut self, SpreadStep { number, way, to, crossing }: SpreadStep<'_>) -> Option<SmoothStep> {
         let here = self.here.filter(|_| is_short(way) && crossing == Crossing::Uniform)?;
         let there = spreading(self.rates, self.cells, self.interval.number, to);
         let length = self.lengths[number];
@@ -657,7 +657,7 @@ impl Walk<'_> {
 
     /// Returns when fire arrives along a way that takes this long in the weather of the walk.
     #[inline]
-    fn arrival(&mut self, step: Step<'_>, seconds: Option<f64>) -> u64 {
+    fn arrival(&mut self, step: SpreadStep<'_>, seconds: Option<f64>) -> u64 {
         let until = self.interval.until;
         // Saturating: what burns too slowly arrives never, not in the past.
         let time = seconds.map(|seconds| self.now.saturating_add(nanos(seconds)));

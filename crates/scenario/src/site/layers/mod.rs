@@ -101,21 +101,19 @@ impl ImportedLayers {
     /// Checks layers that were not read from rasters but from a plan.
     pub(crate) fn is_sound(&self, fuels: &CustomFuels) -> bool {
         let FieldFrame { cols, rows, cell_m } = self.frame;
-        let side_fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
-        let is_whole = side_fits(cols) && side_fits(rows) && self.frame.cell_count() <= MAX_RASTER_CELLS;
+        let sides_fit = [cols, rows].map(usize::from).iter().all(|side| (1..=MAX_RASTER_SIDE).contains(side));
+        let is_whole = sides_fit && self.frame.cell_count() <= MAX_RASTER_CELLS;
         if !(is_whole && cell_m.is_finite() && cell_m > 0.0) {
             return false;
         }
         let cells = self.frame.cell_count();
-        let fuel_fits = |layer: &PackedLayer| {
+        let numbers_fit =
+            |layer: &PackedLayer| layer.numbers(cells).is_some_and(|numbers| numbers.iter().all(|n| n.is_finite()));
+        self.fuel.as_ref().is_none_or(|layer| {
             layer
                 .bytes(cells)
                 .is_some_and(|fuel| fuel.iter().all(|number| *number == 0 || fuels.model(*number).is_some()))
-        };
-        let numbers_fit =
-            |layer: &PackedLayer| layer.numbers(cells).is_some_and(|numbers| numbers.iter().all(|n| n.is_finite()));
-        self.fuel.as_ref().is_none_or(fuel_fits)
-            && self.outside.as_ref().is_none_or(|layer| layer.bytes(cells).is_some())
+        }) && self.outside.as_ref().is_none_or(|layer| layer.bytes(cells).is_some())
             && self.elevation.iter().chain(self.gradient.iter().flatten()).all(numbers_fit)
             && self.canopy.iter().flatten().all(numbers_fit)
     }

@@ -194,7 +194,6 @@ pub(super) fn check_same_place(raster: &Raster, first: &Raster, name: &str, othe
             raster.rows, raster.cols, first.rows, first.cols
         ));
     }
-    let epsg = |raster: &Raster| raster.crs.as_ref().and_then(GeoKeys::epsg);
     if let (Some(found), Some(expected)) = (epsg(raster), epsg(first))
         && found != expected
     {
@@ -214,4 +213,8 @@ pub(super) fn check_same_place(raster: &Raster, first: &Raster, name: &str, othe
         ));
     }
     Ok(())
+}
+
+fn epsg(raster: &Raster) -> Option<u16> {
+    raster.crs.as_ref().and_then(GeoKeys::epsg)
 }
