@@ -60,10 +60,7 @@ type ReadField = (FieldFrame, Grid<bool>, usize);
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
 pub(crate) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
-    let mut shapes = Shapes::default();
-    let mut json = serde_json::Deserializer::from_str(text);
-    Member(&mut shapes).deserialize(&mut json)?;
-    json.end()?;
+    let shapes = Shapes::read(text, false)?;
     let left_out = shapes.left_out;
     Ok(shapes.field(cell_m, max).map(|(frame, occupied)| (frame, occupied, left_out)))
 }
