@@ -662,8 +662,8 @@ impl SpreadWalk<'_> {
         // Saturating: what burns too slowly arrives never, not in the past.
         let time = seconds.map(|seconds| self.now.saturating_add(nanos(seconds)));
         // In another weather: then it is not before this interval ends.
-        let known = time.filter(|&time| time <= until || self.cells.time[step.to] <= until);
-        known.unwrap_or_else(|| arrival_along(self.rates, self.cells, self.from, step.way, self.now))
+        let in_interval = time.filter(|&time| time <= until || self.cells.time[step.to] <= until);
+        in_interval.unwrap_or_else(|| arrival_along(self.rates, self.cells, self.from, step.way, self.now))
     }
 
     /// Returns two burned cells on a plane, with ways over a fuel.
