@@ -98,10 +98,11 @@ fn ask_on_field(kind: TruckPlannerKind, seed: u64, [one, at_once, in_turn]: &mut
         let nearest = discs.iter().min_by(|a, b| gap(&a.centre).total_cmp(&gap(&b.centre)));
         let Some(&nearest) = nearest else { continue };
         one.take(|| Some(planner.plan(start, nearest.into())));
-        at_once
-            .take(|| plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver).map(|found| found.1));
+        at_once.take(|| {
+            plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver).map(|found| found.plan)
+        });
         let mut single = OneGoal(planner.as_mut());
-        in_turn.take(|| plan_to_nearest(&mut single, &body, start, &discs, &mut NullObserver).map(|found| found.1));
+        in_turn.take(|| plan_to_nearest(&mut single, &body, start, &discs, &mut NullObserver).map(|found| found.plan));
     }
 }
 

@@ -430,7 +430,8 @@ fn every_figure_of_an_assignment_has_a_picture_of_a_command_on_its_page() {
 
 /// The rows of a table of columns.
 fn rows_of<F>(columns: &[Column<F>]) -> String {
-    let row = |column: &Column<F>| format!("| `{}` | {} | {} |\n", column.name, column.unit.symbol(), column.description);
+    let row =
+        |column: &Column<F>| format!("| `{}` | {} | {} |\n", column.name, column.unit.symbol(), column.description);
     columns.iter().map(row).collect()
 }
 
@@ -447,9 +448,9 @@ fn page_of_columns_is_what_the_tables_have() {
     ];
     let page = read(PAGE);
     let (opening, _) = page.split_once("\n## ").expect("an opening before the tables");
-    let sections = tables.iter().map(|(title, rows)| {
-        format!("\n## {title}\n\n| column | unit | meaning |\n|---|---|---|\n{rows}")
-    });
+    let sections = tables
+        .iter()
+        .map(|(title, rows)| format!("\n## {title}\n\n| column | unit | meaning |\n|---|---|---|\n{rows}"));
     let expected = format!("{opening}{}", sections.collect::<String>());
     if rewriting() {
         fs::write(root().join(PAGE), expected).expect("the page can be written");

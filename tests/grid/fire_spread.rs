@@ -11,7 +11,9 @@ use wildfire::event_queue::EventQueue;
 use wildfire::fire::fuel::FuelModel;
 use wildfire::fire::lone::LoneFire;
 use wildfire::fire::models::{DirectionSet, Neighbours, Rothermel, RothermelRules};
-use wildfire::fire::surface::crown::{Canopy, CrownConditions, CrownMethod, CrownRules, FireType, model_10};
+use wildfire::fire::surface::crown::{
+    Canopy, CrownConditions, CrownMethod, CrownRules, FireType, GroundFuel, model_10,
+};
 use wildfire::fire::surface::{
     Ellipse, FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, WindLimit, twenty_foot_wind, unsheltered_adjustment,
 };
@@ -1029,7 +1031,7 @@ fn wood(cells: u16, canopy: impl Fn(DVec2) -> Canopy) -> Landscape {
 fn crown_ellipse(canopy: Canopy, wind_mps: DVec2, method: CrownMethod) -> Ellipse {
     let (rules, moisture) = (crowned(method), FuelMoisture::default());
     let model = FuelModel::by_number(165).expect("the number is of a model");
-    let ground = (FuelBed::new(model, &moisture, rules.options.curing), model.depth_ft);
+    let ground = GroundFuel::new(model, &moisture, rules.options.curing);
     let ten = model_10(&moisture, rules.options.curing);
     let crowns = rules.crowns.expect("there are some");
     let fire = CrownConditions::in_weather(ground, ten, canopy, wind_mps, DVec2::ZERO, rules.options, crowns).burn();

@@ -402,8 +402,8 @@ impl<'a> Arrivals<'a> {
 
     /// Returns how many columns or rows away things may concern a cell, and sources.
     pub fn reach(&self) -> [i32; 2] {
-        let farthest = |reach: fn(&DirectionSet) -> i32| self.sets.iter().map(|set| reach(&set.directions)).max();
-        [DirectionSet::reach, DirectionSet::exact_reach].map(|reach| farthest(reach).unwrap_or(0))
+        [DirectionSet::reach, DirectionSet::exact_reach]
+            .map(|reach| self.sets.iter().map(|set| reach(&set.directions)).max().unwrap_or(0))
     }
 
     /// Returns the place of the lines of the weather at a time among [`Self::sets`].

@@ -68,14 +68,12 @@ pub fn straight_arrival(
     }
     let ellipse = arrivals.plane_ellipse(frame.index(cell), SimTime::from_nanos(first), arrived)?;
     // In seconds before the arrival, so that differences of whole nanoseconds are exact.
-    let before = |time: Option<u64>| time.map_or(0.0, |time| (arrived.as_nanos() - time) as f64 * 1e-9);
-    // The front came no later than `latest` and no sooner than `soonest`, each the minimum over the rim.
     let [mut latest, mut soonest] = [Bound::NONE; 2];
     for (place, &one) in rim.iter().enumerate() {
         let other = rim[(place + 1) % rim.len()];
         let ends = [one, other].map(|(cols, rows)| DVec2::new(f64::from(cols), f64::from(rows)) * frame.cell_m);
         let times = [time_at(one)?, time_at(other)?];
-        let left = times.map(before);
+        let left = times.map(|time| time.map_or(0.0, |time| (arrived.as_nanos() - time) as f64 * 1e-9));
         for part in 0..=PARTS {
             let share = f64::from(part) / f64::from(PARTS);
             // Points between the rim's cells too, where a front may have come through.

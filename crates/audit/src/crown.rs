@@ -40,7 +40,6 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     let speed = below.wind_10m_mps.length() / 1.15;
     let toward = below.wind_10m_mps.normalize_or_zero();
     let factor = shelter(canopy, below.depth_ft);
-    let surface_at = |wind: f64| below.ground.behavior(toward * wind * factor, below.gradient, options);
     let unlimited = SurfaceOptions { wind_limit: WindLimit::None, ..*options };
     let crown_at =
         // Rothermel 1991: the rate of crowns is that of fuel model 10 in 0.4 of the wind, whatever the ground has.
@@ -48,7 +47,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     // kg/m2/min of crowns that burn at some rate in m/s.
     let flow = |rate: f64| rate * 60.0 * canopy.bulk_density_kg_m3;
 
-    let surface = surface_at(speed);
+    let surface = below.ground.behavior(toward * speed * factor, below.gradient, options);
     let heat = surface.reaction_intensity_kw_m2 * surface.residence_s;
     // Heat of ignition in kJ/kg, by the moisture in percent (Van Wagner, 1977).
     let kilojoules = 460.0 + 25.9 * (100.0 * rules.foliar_moisture).max(30.0);
@@ -85,7 +84,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
                 if flow(crown_at(middle)) < 3.0 { calm = middle } else { windy = middle }
             }
             let first = critical / heat;
-            let last = surface_at(windy).rate_mps;
+            let last = below.ground.behavior(toward * windy * factor, below.gradient, options).rate_mps;
             let burned = if last > first { ((surface.rate_mps - first) / (last - first)).clamp(0.0, 1.0) } else { 0.0 };
             surface.rate_mps * (1.0 - burned) + crown * burned
         }

@@ -173,8 +173,8 @@ impl<'a> FollowedFires<'a> {
         }
         let mut around = self.cells_around(from, reach.into());
         // At the very edge of the radius rounding decides, so that neither answer is a violation.
-        let is_near = |cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE;
-        let spared = around.find(|&cell| is_near(cell) && self.is_spared(cell, due));
+        let spared = around
+            .find(|&cell| self.metres(cell, from) <= rules.spread_radius_m - SAME_POSE && self.is_spared(cell, due));
         spared.map_or(Ok(()), |cell| violation(cell, ViolationKind::SparedBySpread { cell, from }))
     }
 

@@ -256,13 +256,17 @@ impl ArcStep {
     fn new(curvature: f64, metres: f64) -> Self {
         let half_turn = 0.5 * curvature * metres;
         let chord_m = if half_turn == 0.0 { metres } else { 2.0 * ops::sin(half_turn) / curvature };
-        let towards = |angle: f64| DVec2::new(ops::cos(angle), ops::sin(angle));
-        Self { chord: towards(half_turn) * chord_m, turn: towards(2.0 * half_turn) }
+        Self { chord: direction(half_turn) * chord_m, turn: direction(2.0 * half_turn) }
     }
 
     fn from(&self, at: UnitPose) -> UnitPose {
         UnitPose { place: at.place + at.facing.rotate(self.chord), facing: at.facing.rotate(self.turn) }
     }
+}
+
+/// Returns the unit vector of a heading.
+fn direction(angle: f64) -> DVec2 {
+    DVec2::new(ops::cos(angle), ops::sin(angle))
 }
 
 #[cfg(test)]

@@ -123,7 +123,6 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
 fn check_drive(limits: &SpeedLimits, drive: &DriveProfile, curvature: f64, reverse: bool) -> Result<(), ViolationKind> {
     let fastest = drive.fastest_mps();
     let limit_mps = if reverse { limits.reverse_mps } else { limits.forward_mps };
-    let exceeds = |found: f64, limit: f64| found > limit * (1.0 + RELATIVE_NOISE);
     if exceeds(fastest, limit_mps) {
         return Err(ViolationKind::Speed { found_mps: fastest, limit_mps });
     }
@@ -138,6 +137,11 @@ fn check_drive(limits: &SpeedLimits, drive: &DriveProfile, curvature: f64, rever
         return Err(ViolationKind::Lateral { found_mps2: lateral, limit_mps2 });
     }
     if drive.stops_short { Err(ViolationKind::StopsShort) } else { Ok(()) }
+}
+
+/// Says whether a number is above a limit by more than rounding makes it.
+fn exceeds(found: f64, limit: f64) -> bool {
+    found > limit * (1.0 + RELATIVE_NOISE)
 }
 
 /// Speed changes at once only in a direction that has no limit.

@@ -106,8 +106,7 @@ mod tests {
     use wildfire_base::geometry::{Cell, FieldFrame, Pose};
     use wildfire_base::trajectory::SpeedLimits;
     use wildfire_base::vehicle::{Dimensions, Path, Segment};
-    use wildfire_fire::FireRules;
-    use wildfire_timeline::{AgentFact, AgentId, Cause, Event, Fact, FireFact, Rules, Setting};
+    use wildfire_timeline::{AgentFact, AgentId, Cause, Event, Fact, FireFact, Setting, sample};
 
     const TRUCK: AgentId = AgentId::unimog(0);
     const SECOND: AgentId = AgentId::unimog(1);
@@ -166,35 +165,10 @@ mod tests {
         let truck = |id, pose| AgentStart { id, pose, body: Body::Truck(Dimensions::default()), limits: Some(LIMITS) };
         Setting {
             scenario: "audit".into(),
-            seed: 1,
-            program_version: "0".into(),
             frame: FieldFrame { cols: 20, rows: 20, cell_m: 5.0 },
             bushes: vec![NEAR, FAR],
-            blocked: Vec::new(),
-            spread: None,
-            water: None,
-            ground_shares: Vec::new(),
-            line: None,
-            pieces: Vec::new(),
             agents: vec![truck(TRUCK, start()), truck(SECOND, Pose::new(10.0, 10.0, 0.0))],
-            rules: Rules {
-                duration: seconds(100.0),
-                suppression_reach_m: Some(10.0),
-                suppression_dwell: seconds(5.0),
-                extinguishes_all: Some(false),
-                fire: Some(FireRules {
-                    spread_delay: seconds(10.0),
-                    spread_radius_m: 30.0,
-                    sources_spread: true,
-                    caught_spreads: false,
-                    burn_out: Some(seconds(60.0)),
-                    reignition: false,
-                }),
-                reignition: false,
-                score_wumpus_ignited: 1.0,
-                score_wumpus_burned_out: 1.0,
-                score_truck_extinguished: 2.0,
-            },
+            ..sample::small_setting(&[])
         }
     }
 

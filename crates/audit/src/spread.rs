@@ -369,7 +369,7 @@ mod tests {
         CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
         WindField,
     };
-    use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules};
+    use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, sample};
 
     const TRUCK: AgentId = AgentId::unimog(0);
     const FRAME: FieldFrame = FieldFrame { cols: 60, rows: 45, cell_m: 5.0 };
@@ -399,17 +399,11 @@ mod tests {
             wind_mps: DVec2::new(4.0 - f64::from(hour), f64::from(hour) - 2.0),
             moisture: FuelMoisture { d1: 0.04 + 0.01 * f64::from(hour), ..FuelMoisture::default() },
         });
+        let plain = sample::small_setting(&[]);
         Setting {
             scenario: "ground".into(),
-            seed: 1,
-            program_version: "0".into(),
             frame: FRAME,
             bushes,
-            blocked: Vec::new(),
-            water: None,
-            ground_shares: Vec::new(),
-            line: None,
-            pieces: Vec::new(),
             agents: vec![AgentStart {
                 id: TRUCK,
                 pose: wildfire_base::geometry::Pose::new(20.0, 20.0, 0.0),
@@ -418,20 +412,17 @@ mod tests {
             }],
             rules: Rules {
                 duration: seconds(2400.0),
-                suppression_reach_m: Some(10.0),
-                suppression_dwell: seconds(5.0),
                 extinguishes_all: Some(true),
                 fire: None,
                 reignition,
-                score_wumpus_ignited: 1.0,
-                score_wumpus_burned_out: 1.0,
-                score_truck_extinguished: 2.0,
+                ..plain.rules
             },
             spread: Some(SpreadSetting::Rothermel {
                 landscape: Arc::new(landscape),
                 weather: Arc::new(Weather::new(weather.collect()).expect("it is in order")),
                 rules: RothermelRules { neighbours, burn_out: Some(seconds(90.0)), ..RothermelRules::default() },
             }),
+            ..plain
         }
     }
 

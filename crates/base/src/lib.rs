@@ -4,6 +4,7 @@ pub mod document;
 pub mod event_queue;
 pub mod geometry;
 pub mod input_file;
+pub mod names;
 pub mod npy;
 pub mod object;
 pub mod or_none;

@@ -205,9 +205,8 @@ struct Summary {
 
 impl Summary {
     fn new(maps: String, rows: &[&InstanceRow]) -> Self {
-        let having = |status: &str| rows.iter().filter(|row| row.status == status).count();
-        let blocked = having("blocked");
-        let solved = having("solved");
+        let blocked = rows.iter().filter(|row| row.status == ("blocked")).count();
+        let solved = rows.iter().filter(|row| row.status == ("solved")).count();
         let judged = rows.len() - blocked;
         // An instance without a solution is refused at once, which would lower the median.
         let cpu = |row: &InstanceRow| (row.status != "blocked").then_some(row.cpu_s);

@@ -52,10 +52,6 @@ const FAR_TAIL: [[f64; 4]; 2] = [
 /// Returns the standard normal deviate below which this share of all lies, to seven digits (Wichura, "Algorithm AS 241: The
 /// percentage points of the normal distribution", 1988). A share of 0 counts as the smallest draw that is not 0.
 pub fn normal(share: f64) -> f64 {
-    let ratio = |[above, below]: [[f64; 4]; 2], x: f64| {
-        let [above, below] = [above, below].map(|[a, b, c, d]| a + x * (b + x * (c + x * d)));
-        above / below
-    };
     let share = share.max(1.0 / (1u64 << 54) as f64);
     let from_middle = share - 0.5;
     if from_middle.abs() <= 0.425 {
@@ -64,6 +60,12 @@ pub fn normal(share: f64) -> f64 {
     let depth = (-ops::ln(share.min(1.0 - share))).sqrt();
     let deviate = if depth <= 5.0 { ratio(TAIL, depth - 1.6) } else { ratio(FAR_TAIL, depth - 5.0) };
     deviate.copysign(from_middle)
+}
+
+/// Returns the quotient of two polynomials of the third degree.
+fn ratio([above, below]: [[f64; 4]; 2], x: f64) -> f64 {
+    let [above, below] = [above, below].map(|[a, b, c, d]| a + x * (b + x * (c + x * d)));
+    above / below
 }
 
 /// The largest mean of [`poisson`], far from where its first term would vanish.

@@ -48,18 +48,9 @@ pub enum BushStateKind {
     Extinguished,
 }
 
-impl BushStateKind {
-    pub const ALL: [Self; 4] = [Self::Intact, Self::Burning, Self::BurnedOut, Self::Extinguished];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Intact => "intact",
-            Self::Burning => "burning",
-            Self::BurnedOut => "burned out",
-            Self::Extinguished => "extinguished",
-        }
-    }
-}
+wildfire_base::names! { BushStateKind {
+    Intact: "intact", Burning: "burning", BurnedOut: "burned out", Extinguished: "extinguished",
+} }
 
 /// A cell that can burn or could once, and what has become of it.
 #[derive(Clone, Copy, Debug)]

@@ -129,6 +129,9 @@ pub struct Spread {
     pub by: SpreadBy,
 }
 
+/// Events that are expected, with their times.
+pub type FireEvents = Vec<(SimTime, FireEvent)>;
+
 /// A rule of how fire goes from cell to cell.
 ///
 /// A model draws chance, if it does, from the run's seed, the cell and its episode, so that the order of events at one
@@ -136,17 +139,11 @@ pub struct Spread {
 pub trait FireModel: fmt::Debug + DynClone + Send + Sync {
     /// Takes in a change that `fires` has just been through, and adds to `expected` what follows from it and when. To
     /// void an arrival the model forgets its revision.
-    fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut Vec<(SimTime, FireEvent)>);
+    fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut FireEvents);
 
     /// Returns what a due arrival sets on fire, in this order; nothing if it is void. Cells that cannot burn by the time
     /// their turn comes are passed over.
-    fn arrive(
-        &mut self,
-        fires: &FireField,
-        now: SimTime,
-        arrival: Arrival,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) -> Vec<Spread>;
+    fn arrive(&mut self, fires: &FireField, now: SimTime, arrival: Arrival, expected: &mut FireEvents) -> Vec<Spread>;
 
     /// Returns true if fire may still get somewhere though nothing burns: a front between the cells that it has left and
     /// those that it has not reached.
@@ -182,7 +179,7 @@ mod tests {
 
     impl Front {
         /// Plans the earliest arrival at a cell over what burns beside it.
-        fn plan(&mut self, fires: &FireField, now: SimTime, to: Cell, expected: &mut Vec<(SimTime, FireEvent)>) {
+        fn plan(&mut self, fires: &FireField, now: SimTime, to: Cell, expected: &mut FireEvents) {
             let ways = [(to.col.checked_sub(1), 10.0), (Some(to.col + 1).filter(|&col| col < FRAME.cols), 30.0)];
             let arrivals = ways.into_iter().filter_map(|(col, seconds)| {
                 let Some(BushState::Burning { since }) = fires.state(cell(col?)) else { return None };
@@ -200,13 +197,7 @@ mod tests {
     }
 
     impl FireModel for Front {
-        fn follow(
-            &mut self,
-            fires: &FireField,
-            now: SimTime,
-            change: FireChange,
-            expected: &mut Vec<(SimTime, FireEvent)>,
-        ) {
+        fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut FireEvents) {
             let col = change.cell().col;
             for near in [col.checked_sub(1), Some(col + 1).filter(|&col| col < FRAME.cols)].into_iter().flatten() {
                 if fires.can_burn(cell(near)) {
@@ -215,13 +206,7 @@ mod tests {
             }
         }
 
-        fn arrive(
-            &mut self,
-            _: &FireField,
-            _: SimTime,
-            arrival: Arrival,
-            _: &mut Vec<(SimTime, FireEvent)>,
-        ) -> Vec<Spread> {
+        fn arrive(&mut self, _: &FireField, _: SimTime, arrival: Arrival, _: &mut FireEvents) -> Vec<Spread> {
             let (revision, plan) = self.plans[usize::from(arrival.cell.col)];
             let (_, from) = plan.filter(|_| revision == arrival.revision).unzip();
             from.map(|from| Spread { cell: arrival.cell, from, by: SpreadBy::Front }).into_iter().collect()

@@ -141,8 +141,7 @@ impl Spotting {
         let phase = PI / 2.0 * f64::from(self.location as u8);
         let flat = flat_mi / length;
         let amplitude = rise_ft / (10_000.0 * PI);
-        let step = |at: f64| flat - amplitude * (ops::cos(PI * at - phase) - ops::cos(phase));
-        (0..6).fold(flat, |at, _| step(at)) * length
+        (0..6).fold(flat, |at, _| flat - amplitude * (ops::cos(PI * at - phase) - ops::cos(phase))) * length
     }
 }
 

@@ -10,6 +10,7 @@ pub mod bucket_queue;
 pub mod cost_map;
 pub mod descent;
 pub mod distance;
+#[cfg(any(test, feature = "testing"))]
 pub mod drawn;
 pub mod layered_queue;
 #[cfg(feature = "files")]

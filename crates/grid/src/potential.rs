@@ -62,6 +62,13 @@ impl Attraction {
             Self::Manhattan => rows + cols,
         }
     }
+
+    /// Returns the greatest attraction on a map, that of the corner which is farthest from the goal.
+    pub fn greatest(&self, rows: usize, cols: usize, goal: Place) -> f64 {
+        let [down, across] =
+            [(goal.0, rows), (goal.1, cols)].map(|(goal, side)| goal.max(side.saturating_sub(1).abs_diff(goal)));
+        self.at(down, across)
+    }
 }
 
 impl Repulsion {
@@ -91,8 +98,7 @@ impl Repulsion {
 ///
 /// On a map of one cell the maximum is 0, and so is the scaled attraction.
 pub fn attraction(rows: usize, cols: usize, goal: Place, kind: Attraction, scale: Option<f64>) -> Grid<f64> {
-    let farthest = |goal: usize, side: usize| goal.max(side.saturating_sub(1).abs_diff(goal));
-    let max = kind.at(farthest(goal.0, rows), farthest(goal.1, cols));
+    let max = kind.greatest(rows, cols, goal);
     let scaled = |value: f64| match scale {
         Some(scale) if max > 0.0 => value / max * scale,
         _ => value,

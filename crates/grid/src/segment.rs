@@ -28,7 +28,6 @@ impl GridPoint {
     /// Creates a point from [`UNITS`] to the outer edges of row 0 and column 0; a point on a line is moved off it by
     /// one unit.
     pub fn from_units(row: i64, col: i64) -> Self {
-        let off_line = |units: i64| units + i64::from(units.rem_euclid(UNITS) == 0);
         Self { row: off_line(row), col: off_line(col) }
     }
 
@@ -56,6 +55,11 @@ impl GridPoint {
     }
 }
 
+/// Moves what lies on a line between cells off it.
+fn off_line(units: i64) -> i64 {
+    units + i64::from(units.rem_euclid(UNITS) == 0)
+}
+
 /// Returns whether all cells that a segment enters are free.
 ///
 /// A segment that passes through a corner exactly enters neither cell beside it; where [`CornerCutting::Forbidden`], both
@@ -66,8 +70,6 @@ impl GridPoint {
 pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, corners: CornerCutting) -> bool {
     let rows = to.row - from.row;
     let cols = to.col - from.col;
-    // Units to the next line in the direction of travel; never 0, as points lie off the lines.
-    let gap = |at: i64, way: i64| if way > 0 { UNITS - at.rem_euclid(UNITS) } else { at.rem_euclid(UNITS) };
     let mut to_row_line = gap(from.row, rows);
     let mut to_col_line = gap(from.col, cols);
     let (mut here, end) = (from.cell(), to.cell());
@@ -103,6 +105,11 @@ pub fn is_free_segment(occupied: &Grid<bool>, from: GridPoint, to: GridPoint, co
         }
     }
     true
+}
+
+/// Returns the units to the next line between cells on a way.
+fn gap(at: i64, way: i64) -> i64 {
+    if way > 0 { UNITS - at.rem_euclid(UNITS) } else { at.rem_euclid(UNITS) }
 }
 
 /// Returns the length of a line through the centres of cells.

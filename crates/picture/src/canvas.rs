@@ -3,6 +3,8 @@
 //! Pixel (0, 0) is at the upper left; pixel (x, y) covers x to x + 1 and y to y + 1. All drawing is opaque, except
 //! [`Canvas::fill_through`], for what takes an [`Ink`] or a [`Pen`], and for sheets laid over others.
 
+use std::ops::Range;
+
 use tiny_skia::{
     Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, StrokeDash, Transform,
 };
@@ -100,10 +102,9 @@ impl Canvas {
     pub fn fill_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), [red, green, blue]: Rgb) {
         let width = self.width() as usize;
         let height = self.height() as usize;
-        let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
-        let left = place(left, width);
-        let right = place(right, width);
-        for row in place(top, height)..place(bottom, height) {
+        let left = on_sheet(left, width);
+        let right = on_sheet(right, width);
+        for row in on_sheet(top, height)..on_sheet(bottom, height) {
             if left < right {
                 self.row_from(left, row)[..right - left].fill([red, green, blue, 255]);
             }
@@ -115,11 +116,10 @@ impl Canvas {
     pub fn tint_pixels(&mut self, (left, top): (i32, i32), (right, bottom): (i32, i32), ink: Ink) {
         let width = self.width() as usize;
         let height = self.height() as usize;
-        let place = |at: i32, max: usize| (at.max(0) as usize).min(max);
-        let (left, right) = (place(left, width), place(right, width).max(place(left, width)));
+        let (left, right) = (on_sheet(left, width), on_sheet(right, width).max(on_sheet(left, width)));
         // Weights are in 256 parts, so a shift takes the place of a division for every channel of every pixel.
         let weight = (256.0 * ink.opacity) as i32;
-        for row in place(top, height)..place(bottom, height) {
+        for row in on_sheet(top, height)..on_sheet(bottom, height) {
             for pixel in &mut self.row_from(left, row)[..right - left] {
                 for (under, &over) in pixel.iter_mut().zip(&ink.colour) {
                     let was = i32::from(*under);
@@ -304,23 +304,17 @@ impl Canvas {
 
     /// Lays another sheet over this one, its upper left corner at a place that may be outside.
     pub fn lay_over(&mut self, other: &Self, (left, top): (i32, i32)) {
-        let within = |at: i32, length: u32, room: u32| {
-            // The sum takes 64 bits, as a corner far outside plus a length may not fit into 32.
-            let first = i64::from(at);
-            let last = i64::from(at) + i64::from(length);
-            (first.clamp(0, room.into()) as usize, last.clamp(0, room.into()) as usize)
-        };
         let columns = within(left, other.width(), self.width());
         let rows = within(top, other.height(), self.height());
-        if columns.0 == columns.1 {
+        if columns.is_empty() {
             return;
         }
         let (source, _) = other.pixels.data().as_chunks::<4>();
         let stride = other.width() as usize;
-        for row in rows.0..rows.1 {
-            let from = (row as i64 - i64::from(top)) as usize * stride + (columns.0 as i64 - i64::from(left)) as usize;
-            for (under, &over) in self.row_from(columns.0, row).iter_mut().zip(&source[from..][..columns.1 - columns.0])
-            {
+        for row in rows {
+            let column = (columns.start as i64 - i64::from(left)) as usize;
+            let from = (row as i64 - i64::from(top)) as usize * stride + column;
+            for (under, &over) in self.row_from(columns.start, row).iter_mut().zip(&source[from..][..columns.len()]) {
                 *under = laid_over(*under, over);
             }
         }
@@ -331,6 +325,19 @@ impl Canvas {
         let height = self.pixels.height();
         Picture::from_rgba(width, height, self.pixels.take())
     }
+}
+
+/// Returns the pixels of a length that lie in a room.
+fn within(at: i32, length: u32, room: u32) -> Range<usize> {
+    // The sum takes 64 bits, as a corner far outside plus a length may not fit into 32.
+    let first = i64::from(at);
+    let last = i64::from(at) + i64::from(length);
+    first.clamp(0, room.into()) as usize..last.clamp(0, room.into()) as usize
+}
+
+/// Returns the nearest place on a sheet with this many rows or columns, or behind its last one.
+fn on_sheet(at: i32, max: usize) -> usize {
+    (at.max(0) as usize).min(max)
 }
 
 /// A pixel over another one, both premultiplied by their opacity.

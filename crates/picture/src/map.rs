@@ -77,7 +77,7 @@ fn swept_key<'a>(scene: &MapScene, colour: Rgb) -> Option<(Symbol, &'a str)> {
     scene.swept.map(|_| (Symbol::Cell(colour), "jumped through"))
 }
 
-pub fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a str)> {
+fn marks_key<'a>(scene: &MapScene<'a>) -> impl Iterator<Item = (Symbol, &'a str)> {
     let path = (scene.path.len().max(scene.track.len()) > 1).then_some((Symbol::Path, "path"));
     let edges = (!scene.edges.is_empty()).then_some((Symbol::Edge, "edge"));
     let marks = scene_marks(scene).map(|(mark, _)| (Symbol::Mark(mark), mark.name()));

@@ -14,15 +14,9 @@ pub enum Mark {
     Stuck,
 }
 
-impl Mark {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Goal => "goal",
-            Self::Stuck => "local minimum",
-        }
-    }
+wildfire_base::names! { Mark { Start: "start", Goal: "goal", Stuck: "local minimum" } }
 
+impl Mark {
     pub fn draw(self, canvas: &mut Canvas, at: Point, radius: f32) {
         match self {
             Self::Start => draw_disc(canvas, at, radius),

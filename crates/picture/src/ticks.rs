@@ -44,8 +44,8 @@ pub fn ticks(low: f64, high: f64, max: usize, min: f64) -> Vec<Tick> {
 
 /// Returns the ends, which are shown where no round values fit between.
 fn ends(low: f64, high: f64) -> Vec<Tick> {
-    let tick = |value: f64| Tick { value, label: shortest(value) };
-    if low == high { vec![tick(low)] } else { vec![tick(low), tick(high)] }
+    let values = if low == high { vec![low] } else { vec![low, high] };
+    values.into_iter().map(|value| Tick { value, label: shortest(value) }).collect()
 }
 
 /// A tick at a value that somebody chose, written as it is if that is short.
@@ -110,13 +110,12 @@ fn power_of_ten(exponent: i32) -> f64 {
 fn label(value: f64, step: f64, largest: f64) -> String {
     let finest = exponent(step);
     let first = exponent(largest);
-    let count = |digits: i32| usize::try_from(digits).unwrap_or(0);
     if value == 0.0 {
         "0".to_owned()
     } else if first >= 6 || finest < -4 {
-        format!("{:e}", rounded(value, count(exponent(value) - finest)))
+        format!("{:e}", rounded(value, usize::try_from(exponent(value) - finest).unwrap_or(0)))
     } else {
-        format!("{value:.*}", count(-finest))
+        format!("{value:.*}", usize::try_from(-finest).unwrap_or(0))
     }
 }
 

@@ -47,14 +47,9 @@ pub enum PoseMark {
     Goal,
 }
 
-impl PoseMark {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Goal => "goal",
-        }
-    }
+wildfire_base::names! { PoseMark { Start: "start", Goal: "goal" } }
 
+impl PoseMark {
     /// Draws an arrow about a place, its heading in radians counter-clockwise from the right.
     pub fn draw(self, canvas: &mut Canvas, at: Point, heading: f64, radius: f32) {
         let inside = match self {

@@ -201,7 +201,6 @@ fn without_rounding(ratio: f64) -> f64 {
 /// Returns a lower bound of the length of paths: the length of the Reeds-Shepp curve, or the distance of the body's
 /// centre to the disc divided by how much farther it can move than the rear axle; 0 where a pose is not a number.
 pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
-    let is_finite = |pose: Pose| pose.position().is_finite() && pose.heading.is_finite();
     match goal {
         Goal::Pose(goal) if !is_finite(start) || !is_finite(goal) => 0.0,
         Goal::Pose(goal) => ReedsShepp { radius_m: body.turning_radius_m }.length_m(start, goal),
@@ -210,6 +209,10 @@ pub fn lower_bound_m(start: Pose, goal: Goal, body: &Dimensions) -> f64 {
             gap_m.max(0.0) / ops::hypot(1.0, body.centre_offset_m() * body.max_curvature())
         }
     }
+}
+
+fn is_finite(pose: Pose) -> bool {
+    pose.position().is_finite() && pose.heading.is_finite()
 }
 
 /// Refuses numbers that nothing can be computed with. Of a curvature below the least normal number, half of a turn is

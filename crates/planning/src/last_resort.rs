@@ -18,7 +18,7 @@ use crate::kit::vehicle_units::{UnscaledLines, VehicleUnits};
 use crate::memory::MemoryMeter;
 use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
 use crate::registry::PlannerContext;
-use crate::{BuildReport, Effort, FoundBy, Goal, GoalDisc, Plan, PlanFailure, TruckPlanner};
+use crate::{BuildReport, Effort, FoundBy, Goal, GoalDisc, NearestPlan, Plan, PlanFailure, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::rng::Xoshiro256PlusPlus;
 use wildfire_base::vehicle::{CurvePrice, Path, ReedsShepp, Segment};
@@ -198,17 +198,18 @@ impl TruckPlanner for LastResort {
         start: Pose,
         discs: &[GoalDisc],
         observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
-        let (index, mut plan) = self.planner.plan_to_nearest(start, discs, observer)?;
+    ) -> Option<NearestPlan> {
+        let NearestPlan { index, mut plan } = self.planner.plan_to_nearest(start, discs, observer)?;
         if let Err(PlanFailure::Disconnected | PlanFailure::BudgetSpent) = plan.path {
             // Which is nearest by drive is open here: the first disc with a way counts.
             for (index, &disc) in discs.iter().enumerate() {
                 if let Some((path, by)) = self.find(start, disc.into(), &mut plan.effort, observer) {
-                    return Some((index, Plan { path: Ok(path), found_by: Some(by), ..plan }));
+                    let plan = Plan { path: Ok(path), found_by: Some(by), ..plan };
+                    return Some(NearestPlan { index, plan });
                 }
             }
         }
-        Some((index, plan))
+        Some(NearestPlan { index, plan })
     }
 
     fn build_report(&self) -> BuildReport {

@@ -16,8 +16,8 @@ use super::judge::Judge;
 use super::registry::{OwnedSettings, TruckPlannerKind};
 use super::test_fields::{TestField, assert_drivable, drives_in_a_row, drives_to_poses, random_free_pose, shut_court};
 use super::{
-    Goal, GoalDisc, NullObserver, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase, TruckPlanner,
-    plan_to_nearest,
+    Goal, GoalDisc, NearestPlan, NullObserver, Plan, PlanFailure, PlanningObserver, QueryMonitor, SearchPhase,
+    TruckPlanner, plan_to_nearest,
 };
 
 fn planner(kind: TruckPlannerKind, field: &TestField, seed: u64) -> Box<dyn TruckPlanner> {
@@ -162,8 +162,9 @@ fn the_nearest_of_several_discs_is_hardly_farther_than_the_nearest_when_queried_
                 let singles = discs.map(|disc| planner.plan(start, disc.into()).path.ok());
                 let shortest = singles.iter().flatten().map(Path::length_m).min_by(f64::total_cmp);
                 let body = *field.checker.body();
-                let (index, plan) = plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver)
-                    .expect("there are discs");
+                let NearestPlan { index, plan } =
+                    plan_to_nearest(planner.as_mut(), &body, start, &discs, &mut NullObserver)
+                        .expect("there are discs");
                 assert_eq!(plan.path.is_ok(), shortest.is_some(), "{kind}, seed {seed}");
                 if let (Ok(path), Some(shortest_m)) = (plan.path, shortest) {
                     assert_drivable(&field.checker, &path, start, discs[index]);

@@ -82,7 +82,7 @@ pub mod traffic;
 pub mod walk;
 
 pub use judge::lower_bound_m;
-pub use nearest_by_drive::plan_to_nearest;
+pub use nearest_by_drive::{NearestPlan, plan_to_nearest};
 pub use observer::{NullObserver, PlanningObserver, PlanningWork, QueryMonitor, QueryRecord, QueryTime};
 pub use registry::{
     MakeError, NameError, PlannerContext, PlannerFactory, PlannerName, Planners, TruckPlannerKind, TruckPlannerSettings,
@@ -141,16 +141,7 @@ pub enum CpuSource {
     Reported,
 }
 
-impl CpuSource {
-    /// Returns the name, as tables write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Thread => "thread",
-            Self::Process => "process",
-            Self::Reported => "reported",
-        }
-    }
-}
+wildfire_base::names! { CpuSource { Thread: "thread", Process: "process", Reported: "reported" } }
 
 impl Plan {
     /// Creates an answer from what was found, or why nothing was.
@@ -220,7 +211,7 @@ pub trait TruckPlanner: Send + Sync {
         _start: Pose,
         _discs: &[GoalDisc],
         _observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
+    ) -> Option<NearestPlan> {
         None
     }
 

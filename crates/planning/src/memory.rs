@@ -6,7 +6,6 @@
 //! [`MemoryMeter::overrun`] and lets the run fail. So a limit decides whether a run takes place, and never how it goes.
 
 use std::collections::VecDeque;
-use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -25,19 +24,15 @@ pub enum MemoryKind {
     Timeline,
 }
 
-impl MemoryKind {
-    pub const ALL: [Self; 4] = [Self::Searches, Self::Floods, Self::Curves, Self::Timeline];
-}
+wildfire_base::names! { MemoryKind {
+    Searches: "searches", Floods: "floods", Curves: "curves of the roadmaps", Timeline: "the timeline",
+} }
 
-impl fmt::Display for MemoryKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Searches => "searches",
-            Self::Floods => "floods",
-            Self::Curves => "curves of the roadmaps",
-            Self::Timeline => "the timeline",
-        })
-    }
+/// The memory that all holders of a kind have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReservedMemory {
+    pub kind: MemoryKind,
+    pub bytes: u64,
 }
 
 /// Counts the memory of everything that grows in one run, and refuses what exceeds the limit.
@@ -77,10 +72,10 @@ impl MemoryMeter {
         self.0.reserved[kind as usize].load(Ordering::Relaxed)
     }
 
-    /// Returns the kind that holds the most, with its bytes, if memory was refused to a holder.
-    pub fn overrun(&self) -> Option<(MemoryKind, u64)> {
-        let by_size = MemoryKind::ALL.into_iter().map(|kind| (kind, self.reserved_by(kind)));
-        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|&(_, bytes)| bytes)).flatten()
+    /// Returns the kind that holds the most if memory was refused to a holder.
+    pub fn overrun(&self) -> Option<ReservedMemory> {
+        let by_size = MemoryKind::ALL.into_iter().map(|kind| ReservedMemory { kind, bytes: self.reserved_by(kind) });
+        self.0.is_overrun.load(Ordering::Relaxed).then(|| by_size.max_by_key(|reserved| reserved.bytes)).flatten()
     }
 }
 
@@ -191,7 +186,10 @@ mod tests {
         let mut search = meter.holder(MemoryKind::Searches);
         assert!(flood.cover(70) && search.cover(20));
         assert!(!search.cover(31));
-        assert_eq!((meter.reserved(), meter.overrun()), (90, Some((MemoryKind::Floods, 70))));
+        assert_eq!(
+            (meter.reserved(), meter.overrun()),
+            (90, Some(ReservedMemory { kind: MemoryKind::Floods, bytes: 70 }))
+        );
         assert!(!search.cover(1) && !flood.cover(71));
     }
 

@@ -6,8 +6,16 @@ use super::{Effort, GoalDisc, Plan, PlanningObserver, QueryCpu, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::vehicle::{Dimensions, Path};
 
-/// Plans a drive into whichever of some discs is nearest by drive; returns its index and the plan, whose effort and CPU
-/// time are those of the whole search. If no path leads into any of them, the plan is the failure of the nearest in a
+/// A drive into one of some discs.
+#[derive(Clone, Debug)]
+pub struct NearestPlan {
+    /// The disc's.
+    pub index: usize,
+    pub plan: Plan,
+}
+
+/// Plans a drive into whichever of some discs is nearest by drive; the effort and the CPU time of the plan are those of the
+/// whole search. If no path leads into any of them, the plan is the failure of the nearest in a
 /// straight line; without discs, `None`.
 ///
 /// A planner that cannot search for several goals at once is asked for one after the other, the nearest in a straight line
@@ -18,7 +26,7 @@ pub fn plan_to_nearest(
     start: Pose,
     discs: &[GoalDisc],
     observer: &mut dyn PlanningObserver,
-) -> Option<(usize, Plan)> {
+) -> Option<NearestPlan> {
     if discs.is_empty() {
         return None;
     }
@@ -29,11 +37,10 @@ pub fn plan_to_nearest(
         discs.iter().enumerate().map(|(index, disc)| (min_m(body, start, disc), index)).collect();
     // A stable sort, so that discs at equal distances keep their order.
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Option<(usize, Plan)> = None;
+    let mut best: Option<NearestPlan> = None;
     let (mut effort, mut cpu) = (Effort::default(), None);
     for (min_m, index) in order {
-        // Discs come nearest first, so no later one has a shorter drive either.
-        if best.as_ref().and_then(|(_, plan)| length_m(plan)).is_some_and(|best_m| min_m >= best_m) {
+        if best.as_ref().and_then(|best| length_m(&best.plan)).is_some_and(|best_m| min_m >= best_m) {
             break;
         }
         let plan = planner.plan_observed(start, discs[index].into(), observer);
@@ -43,13 +50,13 @@ pub fn plan_to_nearest(
             // A failure is kept until there is something better: that of the nearest is the answer if all fail.
             (None, _) => true,
             (Some(_), None) => false,
-            (Some((_, best)), Some(metres)) => length_m(best).is_none_or(|best_m| metres < best_m),
+            (Some(best), Some(metres)) => length_m(&best.plan).is_none_or(|best_m| metres < best_m),
         };
         if is_better {
-            best = Some((index, plan));
+            best = Some(NearestPlan { index, plan });
         }
     }
-    best.map(|(index, plan)| (index, Plan { effort, cpu, ..plan }))
+    best.map(|NearestPlan { index, plan }| NearestPlan { index, plan: Plan { effort, cpu, ..plan } })
 }
 
 fn length_m(plan: &Plan) -> Option<f64> {

@@ -17,7 +17,7 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use super::observer::PlanningObserver;
-use super::{BuildReport, Goal, GoalDisc, NullObserver, Plan, TruckPlanner};
+use super::{BuildReport, Goal, GoalDisc, NearestPlan, NullObserver, Plan, TruckPlanner};
 use crate::collision::{CollisionChecker, MIN_CLEARANCE_M};
 use wildfire_base::geometry::{Pose, ops};
 use wildfire_base::trajectory::SpeedLimits;
@@ -67,9 +67,9 @@ impl TruckPlanner for SmoothSteering {
         start: Pose,
         discs: &[GoalDisc],
         observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
-        let (index, plan) = self.planner.plan_to_nearest(start, discs, observer)?;
-        Some((index, self.smoothed(plan, false)))
+    ) -> Option<NearestPlan> {
+        let NearestPlan { index, plan } = self.planner.plan_to_nearest(start, discs, observer)?;
+        Some(NearestPlan { index, plan: self.smoothed(plan, false) })
     }
 
     fn build_report(&self) -> BuildReport {

@@ -36,7 +36,7 @@ pub fn replan_around(
     // Without a limit of memory, as so few expansions take little.
     let mut search = LocalSearch::new(checker, &MemoryMeter::unlimited(), &settings, None);
     let mut from = |metres: f64| {
-        let (mut kept, _) = path.split_at(metres);
+        let [mut kept, _] = path.split_at(metres);
         let rest = search.drive(kept.end(), &[], disc.with_margin().into(), &mut NullObserver).ok()?;
         kept.segments.extend(rest.path.segments);
         Some(kept)
@@ -129,7 +129,7 @@ pub fn plan_among(
     let times = LEAVES.into_iter().map(|before| meets_at.since(before)).filter(|&time| time > departs);
     for leaves_at in times.chain([departs]) {
         let metres = leg.distance_m(leaves_at);
-        let (mut kept, _) = path.split_at(metres);
+        let [mut kept, _] = path.split_at(metres);
         let start = kept.end();
         let start_clearance_m = checker.clearance(start);
         // From a contact no motion is free.

@@ -211,12 +211,6 @@ impl Scenario {
     /// Returns this scenario with everything of another that may change in the middle of a run: how trucks plan, and how
     /// agents decide.
     pub fn with_conduct_of(&self, other: &Self) -> Self {
-        let wumpus = |(this, other): (&Wumpus, &Wumpus)| Wumpus { goal: other.goal.clone(), ..this.clone() };
-        let unimog = |(this, other): (&Unimog, &Unimog)| {
-            // What a truck is cannot change on its way; what it plans by can.
-            let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = this.clone();
-            Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
-        };
         Self {
             dispatch: other.dispatch.clone(),
             learned: other.learned.clone(),
@@ -224,11 +218,22 @@ impl Scenario {
             traffic: other.traffic.clone(),
             planner: other.planner.clone(),
             policy: other.policy.clone(),
-            wumpus: self.wumpus.iter().zip(&other.wumpus).map(wumpus).collect(),
-            unimog: self.unimog.iter().zip(&other.unimog).map(unimog).collect(),
+            wumpus: self.wumpus.iter().zip(&other.wumpus).map(changed_wumpus).collect(),
+            unimog: self.unimog.iter().zip(&other.unimog).map(changed_unimog).collect(),
             ..self.clone()
         }
     }
+}
+
+/// Returns a Wumpus with the goal of another.
+fn changed_wumpus((this, other): (&Wumpus, &Wumpus)) -> Wumpus {
+    Wumpus { goal: other.goal.clone(), ..this.clone() }
+}
+
+fn changed_unimog((this, other): (&Unimog, &Unimog)) -> Unimog {
+    // What a truck is cannot change on its way; what it plans by can.
+    let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = this.clone();
+    Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
 }
 
 ranges! { Scenario {

@@ -15,7 +15,7 @@ use crate::{FireModelName, PlannerName, Problem, Scenario, TruckPlannerKind, Uni
 use wildfire_planning::collision::ClearanceField;
 use wildfire_planning::kit::floods::flood_bytes;
 use wildfire_planning::kit::safety::SafetyMap;
-use wildfire_planning::memory::{MemoryKind, MemoryMeter};
+use wildfire_planning::memory::{MemoryKind, MemoryMeter, ReservedMemory};
 use wildfire_planning::registry::{RoadmapSize, TruckPlannerSettings};
 
 /// Bytes that the program takes before it runs anything, and that small things take in every run.
@@ -229,7 +229,7 @@ impl MemoryEstimate {
     /// Returns the error of a run in which a meter of this estimate has refused memory.
     pub fn overrun(&self, meter: &MemoryMeter, limit: MemoryLimit) -> Option<MemoryExceeded> {
         let needed = self.needed() - self.counted;
-        meter.overrun().map(|(kind, bytes)| MemoryExceeded::Grown { needed, kind, bytes, limit })
+        meter.overrun().map(|ReservedMemory { kind, bytes }| MemoryExceeded::Grown { needed, kind, bytes, limit })
     }
 }
 

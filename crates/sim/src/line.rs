@@ -224,8 +224,7 @@ pub fn plan_line(
         let mut agents: Vec<AgentView> = agents.iter().map(|agent| agent.view(clock.0)).collect();
         // Queries promise no order, and policies are shown agents by name.
         agents.sort_by_key(|agent| agent.id);
-        let nobody = |_| Vec::new();
-        let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &nobody };
+        let seen = Observation { now: clock.0, fires: &fires.field, agents: &agents, options_of: &|_| Vec::new() };
         for line in orders.0.cells(&forecast, &seen, &mut following) {
             let along_mm = (1000.0 * line.along_m).round() as u32;
             let holds = orders.0.holds(&line);

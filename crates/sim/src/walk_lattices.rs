@@ -40,8 +40,7 @@ pub struct Targets {
 impl Targets {
     /// Returns true if a cell can be approached.
     pub fn contains(&self, cell: Cell) -> bool {
-        let index = |cell: &Cell| self.frame.index(*cell);
-        self.cells.binary_search_by_key(&index(&cell), index).is_ok()
+        self.cells.binary_search_by_key(&self.frame.index(cell), |&cell| self.frame.index(cell)).is_ok()
     }
 }
 

@@ -12,15 +12,9 @@ pub enum Role {
     Unimog,
 }
 
-impl Role {
-    /// Returns the role's name in tables, files and names of random streams.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Wumpus => "wumpus",
-            Self::Unimog => "unimog",
-        }
-    }
+wildfire_base::names! { Role { Wumpus: "wumpus", Unimog: "unimog" } }
 
+impl Role {
     /// Returns true if agents of the role set bushes on fire.
     pub const fn lights(self) -> bool {
         matches!(self, Self::Wumpus)

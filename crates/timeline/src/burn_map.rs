@@ -195,15 +195,18 @@ pub fn front_direction(
         let earlier = ignited_at(frame.offset(cell, cols, rows)?)?;
         (earlier < time).then(|| (time - earlier).as_seconds())
     };
-    // Fronts that meet come from both sides: the one that came first counts.
-    let slope = |behind: Option<f64>, ahead: Option<f64>| match (behind, ahead) {
+    let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
+    if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
+}
+
+// Fronts that meet come from both sides: the one that came first counts.
+fn slope(behind: Option<f64>, ahead: Option<f64>) -> f64 {
+    match (behind, ahead) {
         (Some(behind), Some(ahead)) if ahead > behind => -ahead,
         (Some(behind), _) => behind,
         (None, Some(ahead)) => -ahead,
         (None, None) => 0.0,
-    };
-    let gradient = DVec2::new(slope(lead_s(-1, 0), lead_s(1, 0)), slope(lead_s(0, -1), lead_s(0, 1)));
-    if gradient == DVec2::ZERO { frame.centre(cell) - frame.centre(parent) } else { gradient }
+    }
 }
 
 /// Fires of each fuel in each interval of the weather; on ground with one slope they are the same everywhere.

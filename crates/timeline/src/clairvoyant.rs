@@ -18,8 +18,8 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-use super::{Cause, Fact, FireFact, Role, Setting, Timeline};
-use wildfire_base::geometry::{Cell, DVec2};
+use super::{BushIgnition, Cause, Fact, FireFact, Role, Setting, Timeline};
+use wildfire_base::geometry::DVec2;
 use wildfire_base::time::SimTime;
 use wildfire_fire::FireRules;
 
@@ -68,7 +68,9 @@ pub fn min_loss(timeline: &Timeline) -> Option<u32> {
 /// Lists what was lit, by Wumpuses and the scenario, in order of time.
 fn source_ignitions(timeline: &Timeline) -> Vec<(usize, SimTime)> {
     let ignitions = timeline.events.iter().filter_map(|event| match event.fact.ignition()? {
-        (cell, Cause::Agent(_) | Cause::Scheduled) => Some((timeline.setting.bush_index(cell)?, event.time)),
+        BushIgnition { cell, cause: Cause::Agent(_) | Cause::Scheduled } => {
+            Some((timeline.setting.bush_index(cell)?, event.time))
+        }
         _ => None,
     });
     ignitions.collect()
@@ -242,10 +244,9 @@ impl<'a> TruckLimits<'a> {
         let centre = frame.centre(bushes[from]);
         let radius_m = self.fire.spread_radius_m * (1.0 + RADIUS_TOLERANCE);
         let rows = (radius_m / frame.cell_m).ceil().min(f64::from(u16::MAX)) as u16;
-        let row = |bush: &Cell| bush.row;
         // Bushes come row by row, so those of the rows in reach are one slice.
-        let first = bushes.partition_point(|bush| row(bush) < bushes[from].row.saturating_sub(rows));
-        let last = bushes.partition_point(|bush| row(bush) <= bushes[from].row.saturating_add(rows));
+        let first = bushes.partition_point(|bush| bush.row < bushes[from].row.saturating_sub(rows));
+        let last = bushes.partition_point(|bush| bush.row <= bushes[from].row.saturating_add(rows));
         *examined += last - first;
         (first..last).filter(|&bush| (frame.centre(bushes[bush]) - centre).length() <= radius_m).collect()
     }
@@ -372,7 +373,12 @@ mod tests {
         let ids: Vec<AgentId> = (0..trucks.len()).map(|number| AgentId::unimog(number as u16)).collect();
         let mut setting = small_setting(&ids);
         setting.frame = FieldFrame { cols: 200, rows: 200, cell_m: 5.0 };
-        setting.bushes = acts.iter().map(|&(_, cell)| cell).chain(bushes.iter().copied()).map(Cell::from).collect();
+        setting.bushes = acts
+            .iter()
+            .map(|&(_, cell)| cell)
+            .chain(bushes.iter().copied())
+            .map(wildfire_base::geometry::Cell::from)
+            .collect();
         setting.bushes.sort_unstable_by_key(|cell| (cell.row, cell.col));
         setting.rules.duration = SimTime::from_seconds(3600.0);
         setting.rules.fire = Some(FireRules {

@@ -218,6 +218,13 @@ pub struct Event {
     pub fact: Fact,
 }
 
+/// A bush that catches fire, and why.
+#[derive(Clone, Copy, Debug)]
+pub struct BushIgnition {
+    pub cell: Cell,
+    pub cause: Cause,
+}
+
 impl Fact {
     /// Returns the agent of this event, if any; agents also light and extinguish.
     pub fn agent(&self) -> Option<AgentId> {
@@ -239,8 +246,12 @@ impl Fact {
     }
 
     /// Returns the bush that catches fire with this event, and the cause.
-    pub fn ignition(&self) -> Option<(Cell, Cause)> {
-        if let Self::Fire(FireFact::Ignited { cell, cause }) = *self { Some((cell, cause)) } else { None }
+    pub fn ignition(&self) -> Option<BushIgnition> {
+        if let Self::Fire(FireFact::Ignited { cell, cause }) = *self {
+            Some(BushIgnition { cell, cause })
+        } else {
+            None
+        }
     }
 
     /// Returns the one cell of this event: the cell that changed, or the agent's goal.

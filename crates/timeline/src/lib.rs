@@ -17,6 +17,7 @@ mod outcome;
 mod progress;
 mod replay;
 #[doc(hidden)]
+#[cfg(any(test, feature = "testing"))]
 pub mod sample;
 mod setting;
 mod water;
@@ -24,14 +25,14 @@ mod water;
 pub use agent_id::{AgentId, Role};
 pub use burn_map::{BurnMap, FireBehavior, Front};
 pub use cpu::{CpuHistory, CpuSample};
-pub use fact::{AgentFact, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
+pub use fact::{AgentFact, BushIgnition, Cause, EndReason, Event, Fact, FireFact, GroundEvent, GroundFact, RestReason};
 pub use index::{
-    AgentStats, Burning, BushCounts, ClearedCell, FollowedLeg, GroundCounts, GroundIndex, RecordedSearch, RunIndex,
-    SpreadMoment, SuppressionSpan, Wetting,
+    AgentStats, Burning, BushCounts, ClearedCell, FollowedLeg, FoundSearch, GroundCounts, GroundIndex, RecordedSearch,
+    RunIndex, SpreadMoment, SuppressionSpan, Wetting,
 };
 pub use outcome::{AgentOutcome, FLOCK_M, GroundOutcome, LineOutcome, Outcome, Winner};
 pub use progress::Activity;
-pub use replay::{AgentState, Replay, State};
+pub use replay::{AgentState, ChangedBush, Replay, State};
 pub use setting::{AgentStart, Body, CrewRules, FlamingTimes, LineRules, Rules, Setting, SpreadSetting};
 pub use water::{WaterEnergy, WaterRules};
 

@@ -25,22 +25,14 @@ pub enum Activity {
     Refilling,
 }
 
-impl Activity {
-    /// All activities, in the order of their numbers.
-    pub const ALL: [Self; 6] =
-        [Self::Standing, Self::Planning, Self::Driving, Self::Suppressing, Self::Waiting, Self::Refilling];
-
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Standing => "standing",
-            Self::Planning => "planning",
-            Self::Driving => "driving",
-            Self::Suppressing => "suppressing",
-            Self::Waiting => "waiting",
-            Self::Refilling => "refilling",
-        }
-    }
-}
+wildfire_base::names! { Activity {
+    Standing: "standing",
+    Planning: "planning",
+    Driving: "driving",
+    Suppressing: "suppressing",
+    Waiting: "waiting",
+    Refilling: "refilling",
+} }
 
 /// The part of an agent's state that facts change; everything else follows from the time.
 #[derive(Clone, Copy, Debug)]

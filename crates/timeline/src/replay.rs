@@ -10,14 +10,22 @@ use wildfire_base::trajectory::MotionState;
 
 impl Event {
     /// Returns the bush that the fact changes, if any, and its new state.
-    pub fn bush_change(&self) -> Option<(Cell, BushState)> {
-        match self.fact {
-            Fact::Fire(FireFact::Ignited { cell, .. }) => Some((cell, BushState::Burning { since: self.time })),
-            Fact::Fire(FireFact::BurnedOut { cell }) => Some((cell, BushState::BurnedOut)),
-            Fact::Fire(FireFact::Extinguished { cell, .. }) => Some((cell, BushState::Extinguished)),
-            _ => None,
-        }
+    pub fn bush_change(&self) -> Option<ChangedBush> {
+        let (cell, state) = match self.fact {
+            Fact::Fire(FireFact::Ignited { cell, .. }) => (cell, BushState::Burning { since: self.time }),
+            Fact::Fire(FireFact::BurnedOut { cell }) => (cell, BushState::BurnedOut),
+            Fact::Fire(FireFact::Extinguished { cell, .. }) => (cell, BushState::Extinguished),
+            _ => return None,
+        };
+        Some(ChangedBush { cell, state })
     }
+}
+
+/// A bush that a fact changes, and its new state.
+#[derive(Clone, Copy, Debug)]
+pub struct ChangedBush {
+    pub cell: Cell,
+    pub state: BushState,
 }
 
 /// An agent at one time.
@@ -186,7 +194,7 @@ impl<'a> Replay<'a> {
     }
 
     fn apply_to_bush(&mut self, event: &Event) -> Option<BushChange> {
-        let (cell, to) = event.bush_change()?;
+        let ChangedBush { cell, state: to } = event.bush_change()?;
         let bush = self.timeline.setting.bush_index(cell)?;
         let from = std::mem::replace(&mut self.bushes[bush], to);
         Some(BushChange { bush, from, to })

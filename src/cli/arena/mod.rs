@@ -201,7 +201,6 @@ fn tracks(arguments: &TracksArguments, context: &CommandContext) -> Result<ExitC
         }
         return Ok(ExitCode::SUCCESS);
     }
-    let runs = |track: &Track| track.conditions().len() as u64 * track.public_seeds().count();
     let object = |track: &'static Track| {
         object!(TrackObject {
             track: track.name,
@@ -220,13 +219,17 @@ fn tracks(arguments: &TracksArguments, context: &CommandContext) -> Result<ExitC
     };
     let table =
         Table { text_columns: 2, ..Table::new(&["Track", "Measures", "Runs"], TRACKS.iter().map(row).collect()) };
-    let document = || {
+    terminal::print(&arguments.form.render_either(&objects, || {
         let runs =
             "Runs: those of an entry with the public seeds. --out DIR writes all files of the tracks.".to_owned();
         Document::new(format!("Arena {ARENA_VERSION}")).with([Block::Table(table), Block::Text(runs)])
-    };
-    terminal::print(&arguments.form.render_either(&objects, document))?;
+    }))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Returns the number of runs of a track.
+fn runs(track: &Track) -> u64 {
+    track.conditions().len() as u64 * track.public_seeds().count()
 }
 
 /// Where entries are played: threads, and trust.
@@ -524,9 +527,9 @@ fn submit_check(arguments: &SubmitArguments, stage: &ArenaStage) -> Result<ExitC
         let plan = ArenaEntry::plan(std::slice::from_ref(&entry), track, seeds)?;
         let progress = stage.progress(plan.count());
         // All other seeds of an entry that cannot answer would take as long as its first one.
-        let is_of_first = |number: &u64| (number - 1).is_multiple_of(plan.seeds.count());
         // One seed is tried under every condition, since an entry may fail under one of them only.
-        let (of_first, others): (Vec<u64>, Vec<u64>) = (1..=plan.count()).partition(is_of_first);
+        let (of_first, others): (Vec<u64>, Vec<u64>) =
+            (1..=plan.count()).partition(|number| (number - 1).is_multiple_of(plan.seeds.count()));
         let mut stopwatch = WallStopwatch::start();
         let mut played = stage.play(track, &plan, &of_first, &progress)?;
         let mut timed = of_first.len();

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::{ArgGroup, Args};
 
-pub use tables::poses_along;
+pub use tables::{PathSample, poses_along};
 
 use report::{CurveReport, End};
 use tables::COORDINATES;

@@ -62,24 +62,35 @@ pub fn write_samples(path: &FilePath, curves: &[FoundCurve], step_m: f64) -> io:
     let mut table = WholeFile::create(path)?;
     writeln!(table, "curve,s_m,x_m,y_m,heading_rad,direction")?;
     for curve in curves {
-        for (driven_m, Pose { x, y, heading }, direction) in poses_along(&curve.path, step_m) {
+        for PathSample { driven_m, pose: Pose { x, y, heading }, direction } in poses_along(&curve.path, step_m) {
             writeln!(table, "{},{driven_m},{x},{y},{heading},{direction}", curve.kind)?;
         }
     }
     table.finish()
 }
 
-/// Metres driven so far, the pose there, and whether the truck came there `forward` or in `reverse`; of the start, how it
-/// leaves. The start, every joint and the end are there, and equal steps of at most `step_m` between them.
-pub fn poses_along(path: &Path, step_m: f64) -> impl Iterator<Item = (f64, Pose, &'static str)> {
+/// A pose on a path.
+#[derive(Debug)]
+pub struct PathSample {
+    /// From the start of the path.
+    pub driven_m: f64,
+    pub pose: Pose,
+    /// `forward` or `reverse`, as the truck came there; of the start, as it leaves.
+    pub direction: &'static str,
+}
+
+/// The start, every joint and the end of a path, and equal steps of at most `step_m` between them.
+pub fn poses_along(path: &Path, step_m: f64) -> impl Iterator<Item = PathSample> {
     let directions = path.segments.iter().map(direction);
-    let first = (0.0, path.start, directions.clone().next().unwrap_or("forward"));
+    let direction = directions.clone().next().unwrap_or("forward");
+    let first = PathSample { driven_m: 0.0, pose: path.start, direction };
     let mut driven_m = 0.0;
     let legs = path.legs().zip(directions).flat_map(move |((start, segment), direction)| {
         let before_m = driven_m;
         driven_m += segment.length_m.abs();
         let leg = Path { start, segments: vec![segment] };
-        leg.samples(step_m).skip(1).map(|(s, pose)| (before_m + s, pose, direction)).collect::<Vec<_>>()
+        let samples = leg.samples(step_m).skip(1);
+        samples.map(|(s, pose)| PathSample { driven_m: before_m + s, pose, direction }).collect::<Vec<_>>()
     });
     std::iter::once(first).chain(legs)
 }

@@ -12,7 +12,7 @@ use wildfire_base::time::SimTime;
 use wildfire_batch::stats::{Interval, estimate_mean, t_reach};
 use wildfire_scenario::{Scenario, load};
 use wildfire_sim::run;
-use wildfire_timeline::{AgentId, Outcome, Role, RunIndex, Timeline};
+use wildfire_timeline::{AgentId, ChangedBush, Outcome, Role, RunIndex, Timeline};
 
 /// Seeds of the pairs, and the planners that are compared on them.
 const PAIR_SEEDS: u64 = 100;
@@ -124,7 +124,7 @@ fn film(timeline: &Timeline) -> Value {
         .events
         .iter()
         .filter_map(|event| {
-            let (cell, state) = event.bush_change()?;
+            let ChangedBush { cell, state } = event.bush_change()?;
             let state = state.kind() as usize;
             // Not rounded down, so that nothing has changed at a step that is before the event.
             let seconds = (event.time.as_seconds() * 10.0).ceil() / 10.0;

@@ -244,17 +244,13 @@ pub enum WalkResult {
     NotFound,
 }
 
-impl WalkResult {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Reached => "reached",
-            Self::Unreachable => "unreachable",
-            Self::Stuck => "stuck",
-            Self::StartOccupied => "start-occupied",
-            Self::NotFound => "not-found",
-        }
-    }
-}
+wildfire_base::names! { WalkResult {
+    Reached: "reached",
+    Unreachable: "unreachable",
+    Stuck: "stuck",
+    StartOccupied: "start-occupied",
+    NotFound: "not-found",
+} }
 
 /// A path and its ends.
 #[derive(Debug)]

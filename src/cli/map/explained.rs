@@ -11,7 +11,6 @@ pub fn explanation<'a>(
     find: &dyn Fn(&str) -> Option<&'a Computed>,
 ) -> String {
     let max = computed.values.max().map_or("none".to_owned(), Value::to_short_text);
-    let expanded = |computed: &Computed| computed.search.as_ref().map_or(0, |search| search.expanded.len());
     let cells = count(expanded(computed), "cell");
     let of_dijkstra = find("dijkstra").map_or(0, expanded);
     let is_stuck = computed.walk.as_ref().is_some_and(|walk| walk.path.minimum.is_some());
@@ -108,6 +107,10 @@ pub fn explanation<'a>(
             computed.graph.as_ref().map_or(String::new(), |graph| count(graph.vertices, "point")),
         ),
     }
+}
+
+fn expanded(computed: &Computed) -> usize {
+    computed.search.as_ref().map_or(0, |search| search.expanded.len())
 }
 
 fn no_path(what: &str) -> String {

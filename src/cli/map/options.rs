@@ -274,11 +274,14 @@ pub fn parse_tolerance(text: &str) -> Result<Tolerance, String> {
 }
 
 fn parse_size(text: &str) -> Result<MapSize, String> {
-    let side = |text: &str| numbers::parse(text).filter(|side| (1..=MAX_SIDE).contains(side));
     let size = text.split_once('x').and_then(|(cols, rows)| Some(MapSize { cols: side(cols)?, rows: side(rows)? }));
     size.filter(|size| size.cols * size.rows <= MAX_CELLS).ok_or_else(|| {
         format!("expected COLSxROWS, such as 100x80, of 1 to {MAX_SIDE} each and at most {MAX_CELLS} cells in all")
     })
+}
+
+fn side(text: &str) -> Option<usize> {
+    numbers::parse(text).filter(|side| (1..=MAX_SIDE).contains(side))
 }
 
 fn parse_edge(text: &str) -> Result<usize, String> {

@@ -127,8 +127,6 @@ impl Panel {
             setting.spread = None;
         }
         let burnable = Some(Rc::new(can_burn));
-        // Ground that never burned is shown as such, not as burning with no probability.
-        let shown = |values: &[f64]| values.iter().map(|&value| if value == 0.0 { f64::NAN } else { value }).collect();
         let mut panels: Vec<Self> = sides
             .into_iter()
             .map(|side| Self {
@@ -189,6 +187,12 @@ impl Panel {
     fn shown(&self) -> &[f64] {
         if self.shown.is_empty() { &self.values[0].1 } else { &self.shown }
     }
+}
+
+/// Leaves out the cells with 0.
+// Ground that never burned is shown as such, not as burning with no probability.
+fn shown(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|&value| if value == 0.0 { f64::NAN } else { value }).collect()
 }
 
 /// The last name of a path, and what stands after the folder of a batch.
@@ -275,18 +279,21 @@ fn with_end(path: &Path, end: &str) -> PathBuf {
 
 /// Returns values by cell index, NaN where there is none, as a raster.
 pub fn raster(place: &EarthPlace, frame: FieldFrame, values: &[f64]) -> Raster {
-    #[expect(clippy::cast_possible_truncation, reason = "rasters hold single precision")]
-    let value = |&value: &f64| if value.is_nan() { NODATA } else { value as f32 };
     Raster {
         rows: frame.rows.into(),
         cols: frame.cols.into(),
         west_m: place.west_m,
         south_m: place.south_m,
         cell_m: frame.cell_m,
-        values: values.iter().map(value).collect(),
+        values: values.iter().map(asc_value).collect(),
         nodata: Some(NODATA),
         crs: place.crs.clone(),
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rasters hold single precision")]
+fn asc_value(&value: &f64) -> f32 {
+    if value.is_nan() { NODATA } else { value as f32 }
 }
 
 /// The values with the north row first.

@@ -17,7 +17,6 @@ use crate::cli::output_files::{Files, Format, write_all};
 use crate::cli::report::FormArguments;
 use crate::cli::show::{Searches, ShownRun, source_of_runs};
 use crate::cli::terminal::{self, Progress};
-use wildfire_base::object::Members;
 use wildfire_batch::maps::{BatchQuantity, MapSource, MapsError, MapsOptions, map_batches};
 use wildfire_batch::plan::Record;
 use wildfire_fire::surface::crown::FireType;
@@ -186,7 +185,7 @@ fn of_run(
         let bands = arguments.files.bands.as_deref();
         write_all(&[(bands, &|path| place.write_bands(path, setting.frame, &arrival_s, behavior))], context.quiet)?;
     }
-    let fire_types = behavior.as_ref().filter(|_| trees).map(|it| Members(FireType::tally(&it.fire_type)));
+    let fire_types = behavior.as_ref().filter(|_| trees).map(|it| FireType::tally(&it.fire_type));
     let values = match (quantity, behavior) {
         (RunQuantity::Arrival, _) | (_, None) => arrival_s,
         (RunQuantity::Intensity, Some(behavior)) => behavior.intensity_kw_m,

@@ -277,15 +277,16 @@ impl From<&BatchMapReport> for Document {
 
 /// A row for each mean, with the ends of its interval.
 fn loss_rows(name: &str, losses: &Losses) -> [Vec<String>; 4] {
-    let row = |name: &str, quantity: &str, mean: RunMean| {
-        let decimals = if mean.mean.abs() < 100.0 { 2 } else { 1 };
-        let numbers = Interval::ends(mean.interval).map(|end| optional(end, decimals));
-        [vec![name.to_owned(), quantity.to_owned(), rounded(mean.mean, decimals)], numbers.to_vec()].concat()
-    };
     [
         row(name, "burned cells", losses.burned_cells),
         row("", "burned area, ha", losses.burned_ha),
         row("", "burned bushes", losses.burned_bushes),
         row("", "lost bushes", losses.lost_bushes),
     ]
+}
+
+fn row(name: &str, quantity: &str, mean: RunMean) -> Vec<String> {
+    let decimals = if mean.mean.abs() < 100.0 { 2 } else { 1 };
+    let numbers = Interval::ends(mean.interval).map(|end| optional(end, decimals));
+    [vec![name.to_owned(), quantity.to_owned(), rounded(mean.mean, decimals)], numbers.to_vec()].concat()
 }

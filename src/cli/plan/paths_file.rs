@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::cli::curve;
+use crate::cli::curve::{self, PathSample};
 use wildfire_base::untrusted::spreadsheet_cell;
 use wildfire_base::whole_file::WholeFile;
 use wildfire_batch::drives::Attempt;
@@ -42,7 +42,7 @@ pub fn write_paths(path: &Path, attempts: &[Attempt]) -> io::Result<()> {
 fn path_rows<'a>(attempt: &'a Attempt) -> impl Iterator<Item = PathRow<'a>> {
     let samples = attempt.drive.iter().flat_map(|drive| curve::poses_along(&drive.path, STEP_M));
     let field = spreadsheet_cell(&attempt.problem.name);
-    samples.map(move |(s_m, pose, direction)| PathRow {
+    samples.map(move |PathSample { driven_m: s_m, pose, direction }| PathRow {
         field: field.clone(),
         goal: attempt.goal,
         planner: &attempt.planner,

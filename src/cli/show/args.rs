@@ -182,7 +182,6 @@ impl FromStr for LayerChange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let layer = |name: &str| Layer::ALL.into_iter().find(|layer| layer.name() == name);
         let change = match text.strip_prefix('-') {
             _ if text == "none" => Some(Self::None),
             Some(name) => layer(name).map(Self::Without),
@@ -193,6 +192,10 @@ impl FromStr for LayerChange {
             format!("the layers are {names}; -NAME hides a layer, none hides all")
         })
     }
+}
+
+fn layer(name: &str) -> Option<Layer> {
+    Layer::ALL.into_iter().find(|layer| layer.name() == name)
 }
 
 /// The name of an agent.
@@ -225,9 +228,12 @@ fn parse_selected(text: &str) -> Result<Selected, String> {
 }
 
 fn parse_point(text: &str) -> Result<DVec2, String> {
-    let metre = |word: &str| numbers::parse(word.trim()).filter(|metre: &f64| metre.is_finite());
     let point = text.split_once(',').and_then(|(x, y)| Some(DVec2::new(metre(x)?, metre(y)?)));
     point.ok_or_else(|| "expected metres east and north of the field's south-west corner, such as 120,80".into())
+}
+
+fn metre(word: &str) -> Option<f64> {
+    numbers::parse(word.trim()).filter(|metre: &f64| metre.is_finite())
 }
 
 fn parse_zoom(text: &str) -> Result<f64, String> {
@@ -254,19 +260,9 @@ pub enum RunEvent {
     End,
 }
 
-impl RunEvent {
-    const ALL: [Self; 4] = [Self::FirstFire, Self::FirstFailure, Self::LargestSearch, Self::End];
-
-    /// Returns its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::FirstFire => "first-fire",
-            Self::FirstFailure => "first-failure",
-            Self::LargestSearch => "largest-search",
-            Self::End => "end",
-        }
-    }
-}
+wildfire_base::names! { RunEvent {
+    FirstFire: "first-fire", FirstFailure: "first-failure", LargestSearch: "largest-search", End: "end",
+} }
 
 /// Reads seconds, `h:mm:ss`, a share of the run as `50%`, or the name of an event.
 pub fn parse_moment(text: &str) -> Result<Moment, String> {

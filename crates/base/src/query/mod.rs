@@ -5,7 +5,6 @@
 
 mod search_graph;
 
-use std::fmt;
 use std::ops::{AddAssign, Index, IndexMut};
 
 use glam::DVec2;
@@ -123,44 +122,22 @@ pub enum PlanFailure {
     BadAnswer,
 }
 
-impl PlanFailure {
-    /// All reasons, in the order of the columns of tables.
-    pub const ALL: [Self; 8] = [
-        Self::StartBlocked,
-        Self::GoalBlocked,
-        Self::Disconnected,
-        Self::BudgetSpent,
-        Self::LocalMinimum,
-        Self::TimedOut,
-        Self::Crashed,
-        Self::BadAnswer,
-    ];
-}
-
-impl fmt::Display for PlanFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::StartBlocked => "start blocked",
-            Self::GoalBlocked => "goal blocked",
-            Self::Disconnected => "disconnected",
-            Self::BudgetSpent => "budget spent",
-            Self::LocalMinimum => "local minimum",
-            Self::TimedOut => "timed out",
-            Self::Crashed => "crashed",
-            Self::BadAnswer => "bad answer",
-        })
-    }
-}
+crate::names! { PlanFailure {
+    StartBlocked: "start blocked",
+    GoalBlocked: "goal blocked",
+    Disconnected: "disconnected",
+    BudgetSpent: "budget spent",
+    LocalMinimum: "local minimum",
+    TimedOut: "timed out",
+    Crashed: "crashed",
+    BadAnswer: "bad answer",
+} }
 
 /// A number of failed queries for each reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FailureCounts([u32; PlanFailure::ALL.len()]);
 
 impl FailureCounts {
-    pub fn iter(&self) -> impl Iterator<Item = (PlanFailure, u32)> {
-        PlanFailure::ALL.into_iter().zip(self.0)
-    }
-
     pub fn sum(&self) -> u32 {
         self.0.iter().sum()
     }
@@ -226,40 +203,20 @@ pub enum FoundBy {
     WayHome,
 }
 
+crate::names! { FoundBy {
+    Straight: "straight",
+    Roadmap: "roadmap",
+    Search: "search",
+    Relaxed: "relaxed",
+    Lattice: "lattice",
+    Reachability: "reachability",
+    BackingOut: "backing-out",
+    WayHome: "way-home",
+} }
+
 impl FoundBy {
-    pub const ALL: [Self; 8] = [
-        Self::Straight,
-        Self::Roadmap,
-        Self::Search,
-        Self::Relaxed,
-        Self::Lattice,
-        Self::Reachability,
-        Self::BackingOut,
-        Self::WayHome,
-    ];
-
-    /// Returns the name, as tables and recordings write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Straight => "straight",
-            Self::Roadmap => "roadmap",
-            Self::Search => "search",
-            Self::Relaxed => "relaxed",
-            Self::Lattice => "lattice",
-            Self::Reachability => "reachability",
-            Self::BackingOut => "backing-out",
-            Self::WayHome => "way-home",
-        }
-    }
-
     /// Says whether the planner had failed on the goal before.
     pub fn is_after_failure(self) -> bool {
         matches!(self, Self::Reachability | Self::BackingOut | Self::WayHome)
-    }
-}
-
-impl fmt::Display for FoundBy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
     }
 }

@@ -98,11 +98,10 @@ pub(super) fn fastest_pieces(segments: impl Iterator<Item = Paced>, limits: &Spe
     let mut pieces = Vec::with_capacity(segments.len());
     // The curvature for which the front wheels stand.
     let mut wheels = 0.0;
-    let goes_on = |a: &Paced, b: &Paced| {
+    for stretch in segments.chunk_by(|a: &Paced, b: &Paced| {
         let (a, b) = (a.segment, b.segment);
         a.is_reverse() == b.is_reverse() && limits.steers_in_passing(a.curvature, b.curvature)
-    };
-    for stretch in segments.chunk_by(goes_on) {
+    }) {
         pieces.extend(limits.turning(wheels, stretch[0].segment.curvature));
         let joints = joint_speeds(stretch, limits);
         for (index, ends) in joints.windows(2).enumerate() {
@@ -161,16 +160,13 @@ fn drive_segment(
     // Metres per (m/s)^2 of difference; nothing without a limit.
     let per_gain = limits.acceleration_mps2.map_or(0.0, |acceleration| 0.5 / acceleration);
     let per_loss = limits.braking_mps2.map_or(0.0, |braking| 0.5 / braking);
-    // Rounding may leave the peak a little below the speed of a joint.
-    let way_to = |peak: f64, joint: f64, per: f64| (per * (peak * peak - joint * joint)).max(0.0);
     let mut peak = fastest_mps;
-    // Too short for the greatest speed: the peak is where speeding up and braking meet.
-    if way_to(peak, entry, per_gain) + way_to(peak, exit, per_loss) > length {
+    if way_to_peak(peak, entry, per_gain) + way_to_peak(peak, exit, per_loss) > length {
         // Not both are zero: without limits a change of speed takes no way, and there would be enough.
         peak = ((length + per_gain * entry * entry + per_loss * exit * exit) / (per_gain + per_loss)).sqrt();
     }
-    let gaining = way_to(peak, entry, per_gain);
-    let losing = way_to(peak, exit, per_loss);
+    let gaining = way_to_peak(peak, entry, per_gain);
+    let losing = way_to_peak(peak, exit, per_loss);
     let lengths = without_slivers([gaining, length - gaining - losing, losing], length);
     // Without a limit a phase has no length and is left out, so its acceleration does not matter.
     let phases = [
@@ -181,6 +177,11 @@ fn drive_segment(
     phases.into_iter().filter(|&(metres, ..)| metres > 0.0).map(move |(metres, speed_mps, acceleration_mps2)| {
         Piece::Drive { segment: segment.with_length(metres), speed_mps, acceleration_mps2 }
     })
+}
+
+/// Returns the metres between the speed of a joint and a higher one, `per` of them for each square of speed.
+fn way_to_peak(peak: f64, joint: f64, per: f64) -> f64 {
+    (per * (peak * peak - joint * joint)).max(0.0)
 }
 
 /// Phases shorter than a nanometre are rounding noise: the longest phase takes them over, and all add up to `length`.

@@ -6,7 +6,6 @@
 //! Reeds-Shepp curve, a Dubins curve can become much longer when a pose moves by a hair.
 
 use std::f64::consts::PI;
-use std::fmt;
 
 use glam::DVec2;
 
@@ -77,10 +76,10 @@ impl Dubins {
     }
 }
 
-impl Word {
-    /// Every word once, in the order that decides between equals.
-    pub const ALL: [Self; 6] = [Self::Lsl, Self::Rsr, Self::Lsr, Self::Rsl, Self::Lrl, Self::Rlr];
+// The order decides between equals.
+crate::names! { Word { Lsl: "LSL", Rsr: "RSR", Lsr: "LSR", Rsl: "RSL", Lrl: "LRL", Rlr: "RLR" } }
 
+impl Word {
     fn ends(self) -> Ends {
         match self {
             Self::Lsl | Self::Rsr | Self::Lrl | Self::Rlr => Ends::SameSide,
@@ -110,22 +109,11 @@ impl Word {
             }
         }
     }
-
-    fn spelling(self) -> &'static str {
-        match self {
-            Self::Lsl => "LSL",
-            Self::Rsr => "RSR",
-            Self::Lsr => "LSR",
-            Self::Rsl => "RSL",
-            Self::Lrl => "LRL",
-            Self::Rlr => "RLR",
-        }
-    }
 }
 
 impl Letters for Word {
     fn letters(&self) -> impl Iterator<Item = Letter> + Clone {
-        self.spelling().bytes().map(|letter| {
+        self.name().bytes().map(|letter| {
             let steering = match letter {
                 b'L' => Steering::Left,
                 b'S' => Steering::Straight,
@@ -133,11 +121,5 @@ impl Letters for Word {
             };
             Letter { steering, gear: Gear::Forward }
         })
-    }
-}
-
-impl fmt::Display for Word {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.spelling())
     }
 }

@@ -69,20 +69,19 @@ impl Dimensions {
     fn check_body(&self) -> Result<(), OutOfRange> {
         check_range("rear_overhang_m", self.rear_overhang_m, 0.0..=self.length_m)?;
         check_range("wheelbase_m", self.wheelbase_m, 0.1..=self.length_m)?;
-        let refuse = |name, found: f64, expected| Err(OutOfRange::new(name, found, expected));
         let room = self.length_m - self.rear_overhang_m;
         if self.rear_overhang_m + self.wheelbase_m > self.length_m + ROUNDING_M {
             let expected = format!("a front axle under the body, at most {room} m ahead of the rear axle");
-            return refuse("wheelbase_m", self.wheelbase_m, expected);
+            return Err(OutOfRange::new("wheelbase_m", self.wheelbase_m, expected));
         }
         if self.turning_radius_m < 0.5 * self.width_m {
             let expected = "a centre of turning outside the body, at least half the width away".into();
-            return refuse("turning_radius_m", self.turning_radius_m, expected);
+            return Err(OutOfRange::new("turning_radius_m", self.turning_radius_m, expected));
         }
         if self.max_steering_rad().to_degrees() > MAX_STEERING_DEG {
             let min_m = self.wheelbase_m / ops::tan(MAX_STEERING_DEG.to_radians());
             let expected = format!("at least {min_m:.3}, which steering by {MAX_STEERING_DEG} degrees gives");
-            return refuse("turning_radius_m", self.turning_radius_m, expected);
+            return Err(OutOfRange::new("turning_radius_m", self.turning_radius_m, expected));
         }
         Ok(())
     }

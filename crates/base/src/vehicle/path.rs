@@ -97,24 +97,25 @@ impl Path {
     }
 
     /// The first `metres` of the driven way, and the rest, which begins where the first part ends.
-    pub fn split_at(&self, metres: f64) -> (Self, Self) {
-        let mut parts = (Self::standing(self.start), Vec::new());
+    pub fn split_at(&self, metres: f64) -> [Self; 2] {
+        let mut first = Self::standing(self.start);
+        let mut others = Vec::new();
         let mut left = metres;
         for &segment in &self.segments {
             let length_m = segment.length_m.abs();
             // With equality the split is at a joint, and makes no segment of length 0.
             if left >= length_m {
-                parts.0.segments.push(segment);
+                first.segments.push(segment);
             } else if left > 0.0 {
-                parts.0.segments.push(segment.with_length(left));
-                parts.1.push(segment.with_length(length_m - left));
+                first.segments.push(segment.with_length(left));
+                others.push(segment.with_length(length_m - left));
             } else {
-                parts.1.push(segment);
+                others.push(segment);
             }
             left -= length_m;
         }
-        let rest = Self { start: parts.0.end(), segments: parts.1 };
-        (parts.0, rest)
+        let rest = Self { start: first.end(), segments: others };
+        [first, rest]
     }
 
     /// Pose after `travelled_m` of the driven way, in closed form; before the start and beyond the end, these.
@@ -190,7 +191,7 @@ mod tests {
     fn parts_of_a_path_make_up_the_whole() {
         let path = wiggle();
         for metres in [0.0, 3.0, 9.0, 15.5, 19.0, 24.0, 30.0] {
-            let (first, rest) = path.split_at(metres);
+            let [first, rest] = path.split_at(metres);
             assert!((first.length_m() - metres.min(24.0)).abs() < 1e-12);
             assert!((rest.length_m() - (24.0 - metres).max(0.0)).abs() < 1e-12);
             assert_eq!((first.start, rest.start), (path.start, first.end()));
@@ -202,7 +203,7 @@ mod tests {
     fn the_pose_at_a_distance_is_where_the_first_part_ends() {
         let path = wiggle();
         for metres in [-1.0, 0.0, 3.0, 9.0, 15.5, 19.0, 23.9, 24.0, 30.0] {
-            let (first, _) = path.split_at(metres);
+            let [first, _] = path.split_at(metres);
             assert!((path.pose_at(metres).position() - first.end().position()).length() < 1e-12);
             assert!((path.pose_at(metres).heading - first.end().heading).abs() < 1e-12);
         }

@@ -23,14 +23,7 @@ pub enum Class {
     Timed,
 }
 
-impl Class {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Counted => "counted",
-            Self::Timed => "timed",
-        }
-    }
-}
+wildfire_base::names! { Class { Counted: "counted", Timed: "timed" } }
 
 /// An entry that was read.
 #[derive(Clone, Debug)]

@@ -61,18 +61,13 @@ pub enum Method {
     Sequence,
 }
 
-impl Method {
-    /// Returns the name in objects and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::StudentisedBootstrap => "studentised-bootstrap",
-            Self::StudentsT => "students-t",
-            Self::Ranks => "wilcoxon",
-            Self::Answers => "mcnemar",
-            Self::Sequence => "confidence-sequence",
-        }
-    }
-}
+wildfire_base::names! { Method {
+    StudentisedBootstrap: "studentised-bootstrap",
+    StudentsT: "students-t",
+    Ranks: "wilcoxon",
+    Answers: "mcnemar",
+    Sequence: "confidence-sequence",
+} }
 
 /// Censored times.
 #[derive(Clone, Debug, PartialEq, Serialize)]

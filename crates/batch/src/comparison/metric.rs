@@ -176,12 +176,12 @@ impl Metric {
 }
 
 fn unknown(name: &str, tables: &[TableReader]) -> ComparisonError {
-    let named = || NAMED_METRICS.iter().map(|metric| metric.name);
+    let named = NAMED_METRICS.iter().map(|metric| metric.name);
     let written = tables.iter().flat_map(TableReader::columns).map(String::as_str);
     let columns = written.chain(RUN_COLUMNS.iter().map(|column| column.name));
     ComparisonError::UnknownMetric {
         name: visible_start(name),
-        nearest: nearest_name(name, named().chain(columns)).map(|name| visible_start(&name)),
-        valid: named().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        nearest: nearest_name(name, named.clone().chain(columns)).map(|name| visible_start(&name)),
+        valid: named.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
     }
 }

@@ -159,17 +159,12 @@ pub enum Verdict {
     Equal,
 }
 
-impl Verdict {
-    /// Returns the name in objects and tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Difference => "difference",
-            Self::NoEvidence => "no-evidence",
-            Self::NotAmongSoMany => "no-evidence-among-several-tests",
-            Self::Equal => "equal",
-        }
-    }
-}
+wildfire_base::names! { Verdict {
+    Difference: "difference",
+    NoEvidence: "no-evidence",
+    NotAmongSoMany: "no-evidence-among-several-tests",
+    Equal: "equal",
+} }
 
 /// Compares batches, given as folders or tables of runs: each with the first one, or the parts of a single one.
 ///

@@ -11,6 +11,7 @@ mod checked;
 mod contrast;
 mod documents;
 mod error;
+#[cfg(any(test, feature = "testing"))]
 mod made_up;
 mod problems;
 mod query;
@@ -27,6 +28,7 @@ pub use documents::{
     shortened_field, summary_table, violation_sentences,
 };
 pub use error::DriveError;
+#[cfg(any(test, feature = "testing"))]
 pub use made_up::made_up_drives;
 pub use problems::DriveProblems;
 pub use query::{DRIVE_COLUMNS, DriveColumn, DriveFailure, DriveQuery, QueryCost};

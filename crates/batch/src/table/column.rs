@@ -212,14 +212,9 @@ pub enum Better {
     Lower,
 }
 
-impl Better {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Higher => "higher",
-            Self::Lower => "lower",
-        }
-    }
+wildfire_base::names! { Better { Higher: "higher", Lower: "lower" } }
 
+impl Better {
     /// Orders numbers, better first.
     pub fn best_first(self, one: f64, other: f64) -> Ordering {
         match self {

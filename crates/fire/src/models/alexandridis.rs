@@ -19,7 +19,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::chance::Chance;
-use crate::{Arrival, FireChange, FireEvent, FireField, FireModel, Landscape, Relief, Spread, SpreadBy, Weather};
+use crate::{
+    Arrival, FireChange, FireEvent, FireEvents, FireField, FireModel, Landscape, Relief, Spread, SpreadBy, Weather,
+};
 use wildfire_base::geometry::{Cell, ops};
 use wildfire_base::time::SimTime;
 
@@ -240,13 +242,7 @@ impl FireModel for Alexandridis {
     }
 
     /// An arrival names the cell that tries and its episode.
-    fn follow(
-        &mut self,
-        fires: &FireField,
-        now: SimTime,
-        change: FireChange,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) {
+    fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut FireEvents) {
         match change {
             FireChange::Ignited { cell, .. } => {
                 let arrival = FireEvent::Arrival(Arrival { cell, revision: fires.episode(cell) });
@@ -257,13 +253,8 @@ impl FireModel for Alexandridis {
         }
     }
 
-    fn arrive(
-        &mut self,
-        fires: &FireField,
-        now: SimTime,
-        Arrival { cell: from, revision: episode }: Arrival,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) -> Vec<Spread> {
+    fn arrive(&mut self, fires: &FireField, now: SimTime, arrival: Arrival, expected: &mut FireEvents) -> Vec<Spread> {
+        let Arrival { cell: from, revision: episode } = arrival;
         if !fires.goes_on(from, episode) {
             return Vec::new();
         }

@@ -1,7 +1,7 @@
 //! The contest's rule: a set time after it caught fire, and if it still burns, a cell sets on fire at once whatever can
 //! burn within a radius of its centre.
 
-use crate::{Arrival, FireChange, FireEvent, FireField, FireModel, FireRules, Spread, SpreadBy};
+use crate::{Arrival, FireChange, FireEvent, FireEvents, FireField, FireModel, FireRules, Spread, SpreadBy};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 
@@ -56,13 +56,7 @@ fn squared_radius_in_cells(frame: &FieldFrame, radius_m: f64) -> f64 {
 
 impl FireModel for Radius {
     /// An arrival names the cell that spreads and its episode: what it reaches is decided when it is due.
-    fn follow(
-        &mut self,
-        fires: &FireField,
-        now: SimTime,
-        change: FireChange,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) {
+    fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut FireEvents) {
         let FireChange::Ignited { cell, is_source } = change else { return };
         let episode = fires.episode(cell);
         if if is_source { self.rules.sources_spread } else { self.rules.caught_spreads } {
@@ -78,9 +72,10 @@ impl FireModel for Radius {
         &mut self,
         fires: &FireField,
         _now: SimTime,
-        Arrival { cell: from, revision: episode }: Arrival,
-        _expected: &mut Vec<(SimTime, FireEvent)>,
+        arrival: Arrival,
+        _expected: &mut FireEvents,
     ) -> Vec<Spread> {
+        let Arrival { cell: from, revision: episode } = arrival;
         if !fires.goes_on(from, episode) {
             return Vec::new();
         }

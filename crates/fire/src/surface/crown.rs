@@ -26,6 +26,7 @@ use super::{
 use crate::fuel::FuelModel;
 use crate::{Landscape, Weather, WeatherInterval};
 use wildfire_base::geometry::{Cell, ops};
+use wildfire_base::object::Members;
 use wildfire_base::ranges;
 use wildfire_base::time::SimTime;
 
@@ -199,22 +200,15 @@ pub enum FireType {
     Active,
 }
 
+wildfire_base::names! { FireType {
+    Surface: "surface", Passive: "passive", Conditional: "conditional", Active: "active",
+} }
+
 impl FireType {
-    pub const ALL: [Self; 4] = [Self::Surface, Self::Passive, Self::Conditional, Self::Active];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Passive => "passive",
-            Self::Conditional => "conditional",
-            Self::Active => "active",
-        }
-    }
-
     /// Counts the cells of each type among numbers of types.
-    pub fn tally(found: &[f64]) -> Vec<(&'static str, usize)> {
+    pub fn tally(found: &[f64]) -> Members<&'static str, usize> {
         let count = |kind: Self| found.iter().filter(|&&number| number == f64::from(kind as u8)).count();
-        Self::ALL.map(|kind| (kind.name(), count(kind))).into()
+        Members(Self::ALL.map(|kind| (kind.name(), count(kind))).into())
     }
 }
 
@@ -238,10 +232,23 @@ pub struct CrownConditions {
     pub units: CrownUnits,
 }
 
+/// The fuel on the ground under trees.
+#[derive(Clone, Copy, Debug)]
+pub struct GroundFuel {
+    pub bed: FuelBed,
+    pub depth_ft: f64,
+}
+
+impl GroundFuel {
+    pub fn new(model: &FuelModel, moisture: &FuelMoisture, curing: Curing) -> Self {
+        Self { bed: FuelBed::new(model, moisture, curing), depth_ft: model.depth_ft }
+    }
+}
+
 impl CrownConditions {
     /// Returns the conditions of a cell with trees in the wind at 10 m of a weather.
     pub fn in_weather(
-        (ground, depth_ft): (FuelBed, f64),
+        ground: GroundFuel,
         model_10: FuelBed,
         canopy: Canopy,
         wind_10m_mps: DVec2,
@@ -253,11 +260,11 @@ impl CrownConditions {
         Self {
             canopy,
             foliar_moisture: rules.foliar_moisture,
-            ground,
+            ground: ground.bed,
             model_10,
             wind_20ft_mps: twenty_foot_wind(speed),
             toward: if speed > 0.0 { wind_10m_mps / speed } else { DVec2::ZERO },
-            wind_factor: canopy.wind_adjustment(depth_ft),
+            wind_factor: canopy.wind_adjustment(ground.depth_ft),
             gradient,
             options,
             units: CrownUnits::Exact,
@@ -309,7 +316,7 @@ pub fn spreading_fire(
     };
     let model = landscape.burning_model(cell)?;
     let WeatherInterval { moisture, wind_mps, .. } = weather.at_cell(time, landscape.frame.index(cell));
-    let ground = (FuelBed::new(model, &moisture, options.curing), model.depth_ft);
+    let ground = GroundFuel::new(model, &moisture, options.curing);
     let ten = model_10(&moisture, options.curing);
     let gradient = landscape.gradient(cell);
     let fire = CrownConditions::in_weather(ground, ten, canopy, wind_mps, gradient, *options, rules).burn();

@@ -132,13 +132,8 @@ impl FuelBed {
         let packing = bulk_density / PARTICLE_DENSITY;
         let relative_packing = packing / (3.348 * ops::pow(sav, -0.8189));
 
-        let state = |classes: &[SizeClass], extinction| FuelState {
-            moisture: mean(classes, |class| class.moisture),
-            extinction,
-        };
-        let dead_state = state(&dead, model.dead_extinction);
-        let live_state = state(&live, live_extinction(&dead, &live, model.dead_extinction));
-        // Damping by minerals (30).
+        let dead_state = fuel_state(&dead, model.dead_extinction);
+        let live_state = fuel_state(&live, live_extinction(&dead, &live, model.dead_extinction));
         let mineral_damping = (0.174 * ops::pow(EFFECTIVE_MINERALS, -0.19)).min(1.0);
         let burning_dead = net_load(&dead) * moisture_damping(dead_state);
         let burning_live = net_load(&live) * moisture_damping(live_state);
@@ -207,6 +202,10 @@ impl FuelBed {
     pub fn reaction_intensity_kw_m2(&self) -> f64 {
         self.reaction_intensity * BTU_J / (FOOT_M * FOOT_M) / 60.0 / 1000.0
     }
+}
+
+fn fuel_state(classes: &[SizeClass], extinction: f64) -> FuelState {
+    FuelState { moisture: mean(classes, |class| class.moisture), extinction }
 }
 
 #[cfg(test)]

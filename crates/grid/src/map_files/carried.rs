@@ -28,9 +28,9 @@ pub fn chunk(occupied: &Grid<bool>) -> Vec<u8> {
     for (byte, cells) in bits.iter_mut().zip(occupied.values().chunks(8)) {
         *byte = cells.iter().rev().fold(0, |byte, &cell| byte << 1 | u8::from(cell));
     }
-    let side = |cells: usize| (cells as u32).to_be_bytes();
     let packed = compress_to_vec(&bits, PACKING);
-    let named = [&NAME, &side(occupied.rows())[..], &side(occupied.cols()), &packed].concat();
+    let [rows, cols] = [occupied.rows(), occupied.cols()].map(|cells| (cells as u32).to_be_bytes());
+    let named = [&NAME, &rows[..], &cols, &packed].concat();
     let length = (named.len() - NAME.len()) as u32;
     [&length.to_be_bytes(), &named[..], &crc32fast::hash(&named).to_be_bytes()].concat()
 }
@@ -52,9 +52,8 @@ pub fn read(chunk: &[u8]) -> Result<Grid<bool>, Fault> {
     }
     let (head, packed) = named.split_first_chunk::<12>().ok_or_else(damaged)?;
     let [_, _, _, _, r3, r2, r1, r0, c3, c2, c1, c0] = *head;
-    let side = |bytes| u32::from_be_bytes(bytes) as usize;
-    let rows = side([r3, r2, r1, r0]);
-    let cols = side([c3, c2, c1, c0]);
+    let rows = u32::from_be_bytes([r3, r2, r1, r0]) as usize;
+    let cols = u32::from_be_bytes([c3, c2, c1, c0]) as usize;
     // Before anything is unpacked for the sides that the chunk claims.
     check_size(rows, cols)?;
     let expected = (rows * cols).div_ceil(8);

@@ -38,12 +38,13 @@ fn colours(bytes: Vec<u8>, max: u32) -> Result<Grid<[u8; 3]>, Fault> {
         return Err(Fault::Image { message });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
-    let over_white = |[red, green, blue, alpha]: [u8; 4]| {
-        // 127 is half the divisor, so that the quotient is rounded to the nearest.
-        let mix =
-            |value: u8| ((u32::from(value) * u32::from(alpha) + 255 * (255 - u32::from(alpha)) + 127) / 255) as u8;
-        [mix(red), mix(green), mix(blue)]
-    };
     let pixels = image.pixels().map(|pixel| over_white(pixel.0)).collect();
     Ok(Grid::from_values(rows as usize, cols as usize, pixels))
+}
+
+/// Returns the colour that a pixel has on white paper.
+fn over_white([red, green, blue, alpha]: [u8; 4]) -> [u8; 3] {
+    // 127 is half the divisor, so that the quotient is rounded to the nearest.
+    let mix = |value: u8| ((u32::from(value) * u32::from(alpha) + 255 * (255 - u32::from(alpha)) + 127) / 255) as u8;
+    [mix(red), mix(green), mix(blue)]
 }

@@ -72,13 +72,9 @@ pub enum Fault {
 
 /// Accepts the size that a header declares.
 pub(super) fn check_size(rows: usize, cols: usize) -> Result<(), Fault> {
-    let side_fits = |side| (1..=MAX_SIDE).contains(&side);
     // The sides come first, so that their product cannot overflow.
-    if side_fits(rows) && side_fits(cols) && rows * cols <= MAX_CELLS {
-        Ok(())
-    } else {
-        Err(Fault::Size { rows, cols })
-    }
+    let fits = [rows, cols].iter().all(|side| (1..=MAX_SIDE).contains(side)) && rows * cols <= MAX_CELLS;
+    if fits { Ok(()) } else { Err(Fault::Size { rows, cols }) }
 }
 
 /// Makes an empty list with room for that many values, if the memory has it.

@@ -149,7 +149,6 @@ impl ArrayHeader {
     }
 
     fn bits(&self, number: &[u8]) -> u64 {
-        let join = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
         if self.is_big_endian { number.iter().fold(0, join) } else { number.iter().rev().fold(0, join) }
     }
 
@@ -157,6 +156,10 @@ impl ArrayHeader {
         let bits = self.bits(number);
         if self.size == 4 { f32::from_bits(bits as u32).into() } else { f64::from_bits(bits) }
     }
+}
+
+fn join(sum: u64, byte: &u8) -> u64 {
+    sum << 8 | u64::from(*byte)
 }
 
 /// Byte order, kind and bytes of a type such as `'<i4'`.

@@ -35,6 +35,8 @@ pub(super) enum PictureFormat {
     Bmp,
 }
 
+wildfire_base::names! { PictureFormat { Jpeg: "JPEG", WebP: "WebP", Gif: "GIF", Bmp: "BMP" } }
+
 impl PictureFormat {
     /// Detects the format from the first bytes of a file.
     pub fn from_first_bytes(start: &[u8]) -> Option<Self> {
@@ -48,15 +50,6 @@ impl PictureFormat {
             Some(Self::Bmp)
         } else {
             None
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Jpeg => "JPEG",
-            Self::WebP => "WebP",
-            Self::Gif => "GIF",
-            Self::Bmp => "BMP",
         }
     }
 

@@ -65,8 +65,9 @@ impl PngHeader {
         let Some(&[w3, w2, w1, w0, h3, h2, h1, h0, depth, colour_type]) = start.get(16..26) else {
             return Err(Fault::Image { message: "the file ends within the header".to_owned() });
         };
-        let side = |bytes| u32::from_be_bytes(bytes) as usize;
-        Ok(Self { rows: side([h3, h2, h1, h0]), cols: side([w3, w2, w1, w0]), depth, colour_type })
+        let rows = u32::from_be_bytes([h3, h2, h1, h0]) as usize;
+        let cols = u32::from_be_bytes([w3, w2, w1, w0]) as usize;
+        Ok(Self { rows, cols, depth, colour_type })
     }
 
     /// An upper bound of the bytes of an image of this size: no image is much larger than its pixels.

@@ -70,8 +70,8 @@ pub fn write_npy<T: MapValue>(path: &Path, map: &Grid<T>) -> io::Result<()> {
 pub fn write_png(path: &Path, grey: &Grid<u8>) -> io::Result<()> {
     let mut file = WholeFile::create(path)?;
     let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::Adaptive);
-    let side = |cells| u32::try_from(cells).map_err(io::Error::other);
-    let written = encoder.write_image(grey.values(), side(grey.cols())?, side(grey.rows())?, ExtendedColorType::L8);
+    let [cols, rows] = [grey.cols(), grey.rows()].map(|cells| u32::try_from(cells).map_err(io::Error::other));
+    let written = encoder.write_image(grey.values(), cols?, rows?, ExtendedColorType::L8);
     written.map_err(|error| match error {
         ImageError::IoError(error) => error,
         other => io::Error::other(other),

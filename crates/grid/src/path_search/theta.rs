@@ -56,7 +56,6 @@ pub fn theta_star(
     if !place::check_ends(occupied, start, goal)? {
         return Ok(PathSearch::from_occupied_start(occupied));
     }
-    let distance = |from: Place, to: Place| GridPoint::centre(from).distance(GridPoint::centre(to));
     let first = index_of(occupied, start) as u32;
     let last = index_of(occupied, goal) as u32;
     // The start is the parent of itself, so that its neighbours need no special case below.
@@ -102,6 +101,11 @@ pub fn theta_star(
     let cost = is_found.then(|| costs[goal]);
     let route = if is_found { Route::Found(turns(&nodes, occupied, start, goal)) } else { Route::Unreachable };
     Ok(PathSearch { costs, route, cost, expanded, touched, swept: None })
+}
+
+/// Returns the distance of the centres of two cells.
+fn distance(from: Place, to: Place) -> f64 {
+    GridPoint::centre(from).distance(GridPoint::centre(to))
 }
 
 fn turns(nodes: &Grid<ThetaNode>, occupied: &Grid<bool>, start: Place, goal: Place) -> Vec<Place> {

@@ -23,8 +23,7 @@ impl PointIndex {
         let squares = (expected / POINTS_A_SQUARE).max(1) as i64;
         // Also where the plane is long and narrow there are no more squares than that, and one row of them.
         let side = (rows * cols / squares).isqrt().max(rows.max(cols) / squares).max(UNITS);
-        let count = |length: i64| (length / side + 1) as usize;
-        Self { side, squares: Grid::filled(count(rows), count(cols), Vec::new()) }
+        Self { side, squares: Grid::filled((rows / side + 1) as usize, (cols / side + 1) as usize, Vec::new()) }
     }
 
     pub fn add(&mut self, number: u32, point: GridPoint) {

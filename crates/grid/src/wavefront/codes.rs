@@ -51,16 +51,15 @@ impl Codes {
     /// The codes along the sides, in the order of [`Sides`].
     #[inline(always)]
     fn sides(&self) -> [[u8; SIDE]; 4] {
-        let bytes = |i: usize, k: usize| self.0[i][k].to_le_bytes();
         let mut sides = [[0; SIDE]; 4];
         for i in 0..8 {
-            [sides[NORTH][i], sides[NORTH][i + 8], ..] = bytes(i, 0);
-            [.., sides[SOUTH][i], sides[SOUTH][i + 8]] = bytes(i, 3);
+            [sides[NORTH][i], sides[NORTH][i + 8], ..] = self.0[i][0].to_le_bytes();
+            [.., sides[SOUTH][i], sides[SOUTH][i + 8]] = self.0[i][3].to_le_bytes();
         }
         for half in 0..2 {
             for parity in 0..2 {
-                let west = bytes(0, 2 * parity + half);
-                let east = bytes(7, 2 * parity + half);
+                let west = self.0[0][2 * parity + half].to_le_bytes();
+                let east = self.0[7][2 * parity + half].to_le_bytes();
                 for quarter in 0..4 {
                     let row = 8 * half + 2 * quarter + parity;
                     sides[WEST][row] = west[2 * quarter];

@@ -3,8 +3,8 @@
 use crate::canvas::Point;
 use crate::charts::drawing::Drawing;
 use crate::charts::sheet::{
-    AxisScale, LABEL, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, lines, numbered,
-    sheets, width_of,
+    AxisScale, DrawnSheet, LABEL, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, lines,
+    numbered, sheets, width_of,
 };
 use crate::charts::style::Style;
 use crate::charts::{ChartRow, Estimate, Titles};
@@ -83,7 +83,7 @@ impl BarChart {
             let layout =
                 SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left: LEFT, right: 0.0, height };
             let layout = if is_alone { layout.with_one_panel(LOWEST) } else { layout };
-            let (mut drawing, plot) = layout.draw();
+            let DrawnSheet { mut drawing, plot } = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 self.draw_panel(&mut drawing, part, scale, (panel, &names));

@@ -8,7 +8,8 @@ use std::f64::consts::LN_10;
 
 use crate::charts::drawing::Drawing;
 use crate::charts::sheet::{
-    AxisScale, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, sheets, width_of,
+    AxisScale, DrawnSheet, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered,
+    sheets, width_of,
 };
 use crate::charts::style::Style;
 use crate::charts::{ChartRow, Titles};
@@ -92,7 +93,7 @@ impl BoxChart {
             let height = if is_alone { heights[0] } else { grid.height(&heights) };
             let key = Vec::new();
             let layout = SheetLayout { titles: &titles, swatch: Swatch::Bar, key, width, left, right: 0.0, height };
-            let (mut drawing, plot) = layout.draw();
+            let DrawnSheet { mut drawing, plot } = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 draw_panel_name(&mut drawing, part, left, &panel.name);

@@ -4,7 +4,8 @@ use crate::canvas::Point;
 use crate::charts::bars::draw_whisker;
 use crate::charts::drawing::Drawing;
 use crate::charts::sheet::{
-    AxisScale, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered, sheets,
+    AxisScale, DrawnSheet, LINE, LOWEST, PanelGrid, Plot, SheetLayout, Swatch, distinct, draw_panel_name, numbered,
+    sheets,
 };
 use crate::charts::style::Style;
 use crate::charts::{ChartRow, Estimate, Titles};
@@ -97,7 +98,7 @@ impl CurveChart {
             let height = if is_alone { HEIGHT } else { grid.height(&heights) };
             let layout = SheetLayout { titles: &titles, swatch, key, width, left: LEFT, right: 0.0, height };
             let layout = if is_alone { layout.with_one_panel(LOWEST) } else { layout };
-            let (mut drawing, plot) = layout.draw();
+            let DrawnSheet { mut drawing, plot } = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, plot) in panels.iter().zip(parts) {
                 // Marks and whiskers reach beyond their places, and must not be cut off at the ends of the axis.

@@ -1,7 +1,7 @@
 //! Differences, one below the other: each with its interval, beside a line at zero.
 
 use crate::charts::drawing::Drawing;
-use crate::charts::sheet::{AxisScale, LABEL, Plot, SheetLayout, Swatch, fitted, lines, rule, width_of};
+use crate::charts::sheet::{AxisScale, DrawnSheet, LABEL, Plot, SheetLayout, Swatch, fitted, lines, rule, width_of};
 use crate::charts::style::STYLES;
 use crate::charts::{ChartRow, Estimate, Titles};
 use crate::colours::{INK, PAPER};
@@ -57,7 +57,7 @@ impl ForestChart {
         let height = ROW * self.rows.len().max(1) as f32;
         let layout =
             SheetLayout { titles: &self.titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right, height };
-        let (mut drawing, plot) = layout.draw();
+        let DrawnSheet { mut drawing, plot } = layout.draw();
         let differences = self.rows.iter().filter_map(|row| row.difference);
         // Zero is on the scale in any case: a difference is judged by its distance from it.
         let scale = AxisScale::around(differences.map(|difference| difference.range()).chain([(0.0, 0.0)]));

@@ -54,8 +54,6 @@ impl Drawing {
         let scale = size.points_per_unit();
         let [catalog, pages, page, content, info] = [1, 2, 3, 4, 5].map(Ref::new);
         let opacities = self.opacities();
-        // States of opacity come after the five objects above.
-        let state = |index: usize| Ref::new(6 + index as i32);
         let mut pdf = Pdf::new();
         // Publishers take no more than 1.5, pdfTeX warns of more than it writes itself; opacity needs 1.4.
         pdf.set_version(1, 5);
@@ -67,14 +65,14 @@ impl Drawing {
         let mut resources = sheet.resources();
         let mut states = resources.ext_g_states();
         for index in 0..opacities.len() {
-            states.pair(Name(state_name(index).as_bytes()), state(index));
+            states.pair(Name(state_name(index).as_bytes()), Ref::new(6 + index as i32));
         }
         states.finish();
         resources.finish();
         sheet.finish();
         // Only fills need a state, as lines are always opaque.
         for (index, &opacity) in opacities.iter().enumerate() {
-            pdf.ext_graphics(state(index)).non_stroking_alpha(opacity);
+            pdf.ext_graphics(Ref::new(6 + index as i32)).non_stroking_alpha(opacity);
         }
         let marks = self.pdf_marks(scale, &opacities);
         pdf.stream(content, &compress_to_vec_zlib(&marks, LEVEL)).filter(Filter::FlateDecode);

@@ -60,6 +60,12 @@ pub struct Plot {
     pub bottom: f32,
 }
 
+/// A sheet with everything around its plot.
+pub struct DrawnSheet {
+    pub drawing: Drawing,
+    pub plot: Plot,
+}
+
 /// Panels of one sheet, row by row, as small multiples: each with its name above and its axis below.
 #[derive(Clone, Copy, Debug)]
 pub struct PanelGrid {
@@ -210,13 +216,13 @@ impl SheetLayout<'_> {
             return self;
         }
         // How much room the texts take is only known once they are broken into lines.
-        let besides = self.draw().0.height - self.height;
+        let besides = self.draw().drawing.height - self.height;
         let height = self.height.min((HIGHEST * self.width - besides).max(min.min(self.height)));
         Self { height, ..self }
     }
 
     /// Draws everything around the plot.
-    pub fn draw(&self) -> (Drawing, Plot) {
+    pub fn draw(&self) -> DrawnSheet {
         let rows = self.key_rows();
         let Measures { margin, line: line_height, title_line, title: title_size } = Measures::of_width(self.width);
         // Texts are broken first, as everything below moves down with their number of lines.
@@ -231,17 +237,16 @@ impl SheetLayout<'_> {
             Plot { left: margin + self.left, top, right: self.width - margin - self.right, bottom: top + self.height };
         let below = LINE + 6.0 + if self.titles.x.is_empty() { 0.0 } else { x.len() as f32 * line_height };
         let mut drawing = Drawing::new(self.width, plot.bottom + below + margin, &self.titles.title);
-        let below_each_other = |top: f32, index: usize| top + index as f32 * line_height;
         let is_text = |(_, line): &(usize, &String)| !line.is_empty();
         for (index, line) in title.iter().enumerate().filter(is_text) {
             let base = margin + title_size + index as f32 * title_line;
             drawing.text(line, (margin, base), Align::Left, title_size, INK);
         }
         for (index, line) in note.iter().enumerate().filter(is_text) {
-            drawing.text(line, (margin, below_each_other(note_top, index)), Align::Left, LABEL, NOTE_INK);
+            drawing.text(line, (margin, note_top + index as f32 * line_height), Align::Left, LABEL, NOTE_INK);
         }
         for (index, row) in rows.iter().enumerate() {
-            self.draw_key_row(&mut drawing, row, below_each_other(key_top, index));
+            self.draw_key_row(&mut drawing, row, key_top + index as f32 * line_height);
         }
         drawing.text(&self.titles.y, (margin, top - 10.0), Align::Left, LABEL, INK);
         // One line is in the middle of the axis; more are a text, which takes the whole sheet.
@@ -250,10 +255,10 @@ impl SheetLayout<'_> {
             _ => (margin, Align::Left),
         };
         for (index, line) in x.iter().enumerate().filter(is_text) {
-            let base = below_each_other(plot.bottom + LINE + 8.0 + LABEL, index);
+            let base = plot.bottom + LINE + 8.0 + LABEL + index as f32 * line_height;
             drawing.text(line, (left, base), align, LABEL, INK);
         }
-        (drawing, plot)
+        DrawnSheet { drawing, plot }
     }
 
     /// Entries of the key, as many in a row as it holds; none where there is a single series.

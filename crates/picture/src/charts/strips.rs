@@ -2,8 +2,8 @@
 
 use crate::charts::drawing::Drawing;
 use crate::charts::sheet::{
-    AxisScale, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule, sheets,
-    width_of,
+    AxisScale, DrawnSheet, LABEL, LINE, PanelGrid, Plot, SheetLayout, Swatch, draw_panel_name, fitted, numbered, rule,
+    sheets, width_of,
 };
 use crate::charts::style::Style;
 use crate::charts::{ChartRow, Titles};
@@ -99,7 +99,7 @@ impl StripChart {
             let layout =
                 SheetLayout { titles: &titles, swatch: Swatch::Bar, key: Vec::new(), width, left, right: 0.0, height };
             let layout = if is_alone { layout.with_one_panel(MIN_ROW * rows) } else { layout };
-            let (mut drawing, plot) = layout.draw();
+            let DrawnSheet { mut drawing, plot } = layout.draw();
             let parts = if is_alone { vec![plot] } else { grid.parts(&plot, &heights) };
             for (panel, part) in panels.iter().zip(&parts) {
                 draw_panel_name(&mut drawing, part, left, &panel.name);

@@ -75,9 +75,8 @@ impl Style {
             let (sin, cos) = ops::sin_cos(f64::from(index) * std::f64::consts::TAU / f64::from(corners));
             (x + radius * to_f32(sin), y - radius * to_f32(cos))
         };
-        let shape = |radius| (0..corners).map(|index| corner(index, radius)).collect();
-        drawing.area(shape(radius + 1.0), PAPER, 1.0);
-        drawing.area(shape(radius), self.colour, 1.0);
+        drawing.area((0..corners).map(|index| corner(index, radius + 1.0)).collect(), PAPER, 1.0);
+        drawing.area((0..corners).map(|index| corner(index, radius)).collect(), self.colour, 1.0);
     }
 }
 

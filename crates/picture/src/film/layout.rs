@@ -21,8 +21,9 @@ impl PixelRect {
     }
 
     pub fn contains(&self, (x, y): (f64, f64)) -> bool {
-        let within = |at: f64, from: u32, length: u32| at >= f64::from(from) && at < f64::from(from + length);
-        within(x, self.left, self.width) && within(y, self.top, self.height)
+        let columns = f64::from(self.left)..f64::from(self.left + self.width);
+        let rows = f64::from(self.top)..f64::from(self.top + self.height);
+        columns.contains(&x) && rows.contains(&y)
     }
 }
 

@@ -107,54 +107,29 @@ pub enum Layer {
     FireType,
 }
 
+wildfire_base::names! { Layer {
+    Paths: "paths",
+    Suppression: "suppression",
+    Spread: "spread",
+    Ages: "ages",
+    GridLines: "grid-lines",
+    Roadmap: "roadmap",
+    Query: "prm-query",
+    LocalSearch: "local-search",
+    WumpusSearch: "wumpus-search",
+    Clearance: "clearance",
+    CostMap: "cost-map",
+    Wavefront: "wavefront",
+    Ground: "ground",
+    Wet: "wet",
+    Embers: "embers",
+    Wind: "wind",
+    Arrival: "arrival",
+    Intensity: "intensity",
+    FireType: "fire-type",
+} }
+
 impl Layer {
-    pub const ALL: [Self; 19] = [
-        Self::Paths,
-        Self::Suppression,
-        Self::Spread,
-        Self::Ages,
-        Self::GridLines,
-        Self::Roadmap,
-        Self::Query,
-        Self::LocalSearch,
-        Self::WumpusSearch,
-        Self::Clearance,
-        Self::CostMap,
-        Self::Wavefront,
-        Self::Ground,
-        Self::Wet,
-        Self::Embers,
-        Self::Wind,
-        Self::Arrival,
-        Self::Intensity,
-        Self::FireType,
-    ];
-
-    /// Returns its name on the command line and in the legend.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paths => "paths",
-            Self::Suppression => "suppression",
-            Self::Spread => "spread",
-            Self::Ages => "ages",
-            Self::GridLines => "grid-lines",
-            Self::Roadmap => "roadmap",
-            Self::Query => "prm-query",
-            Self::LocalSearch => "local-search",
-            Self::WumpusSearch => "wumpus-search",
-            Self::Clearance => "clearance",
-            Self::CostMap => "cost-map",
-            Self::Wavefront => "wavefront",
-            Self::Ground => "ground",
-            Self::Wet => "wet",
-            Self::Embers => "embers",
-            Self::Wind => "wind",
-            Self::Arrival => "arrival",
-            Self::Intensity => "intensity",
-            Self::FireType => "fire-type",
-        }
-    }
-
     /// The layers of a run: those of the ground only where there is some.
     pub fn all_of(has_ground: bool) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |layer| has_ground || !layer.needs_ground())

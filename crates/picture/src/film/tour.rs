@@ -7,7 +7,7 @@ use super::hud::format_clock;
 use super::{Camera, CameraTarget, Layer, RunView, Selected, Status, ViewOptions};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
-use wildfire_timeline::{BushState, Fact, FireFact, Outcome, Winner};
+use wildfire_timeline::{BushState, ChangedBush, Fact, FireFact, Outcome, Winner};
 
 /// How long a stop of the tour plays, and how soon before its moment it begins, in seconds of the viewer.
 const STOP_S: f64 = 7.0;
@@ -142,10 +142,10 @@ impl Guide<'_> {
         let mut ignited: BTreeMap<Cell, SimTime> = BTreeMap::new();
         let mut closest: Option<LastSecond> = None;
         for event in &timeline.events {
-            match event.bush_change() {
-                // A bush that burns again counts from its last ignition.
-                Some((cell, BushState::Burning { since })) => drop(ignited.insert(cell, since)),
-                Some((cell, BushState::Extinguished)) => {
+            let Some(ChangedBush { cell, state }) = event.bush_change() else { continue };
+            match state {
+                BushState::Burning { since } => drop(ignited.insert(cell, since)),
+                BushState::Extinguished => {
                     let Some(&since) = ignited.get(&cell) else { continue };
                     let left = (since + burn_out).since(event.time);
                     if closest.as_ref().is_none_or(|closest| left < closest.left) {

@@ -38,19 +38,20 @@ pub struct SurfaceCamera {
     origin: Point,
 }
 
+/// A camera, and the size of the part of the box that it uses.
+pub struct FittedCamera {
+    pub camera: SurfaceCamera,
+    pub size: Point,
+}
+
 impl SurfaceCamera {
-    /// Fits a map of that many rows and columns into a box; also gives the size of the part that is used.
-    pub fn fit((rows, cols): (usize, usize), (width, height): Point) -> (Self, Point) {
+    /// Fits a map of that many rows and columns into a box.
+    pub fn fit((rows, cols): (usize, usize), (width, height): Point) -> FittedCamera {
         let longer = rows.max(cols).max(1) as f32;
-        let side = |cells: usize| (cells as f32 / longer).max(NARROWEST);
-        let angle = |degrees: f64| {
-            let (sin, cos) = ops::sin_cos(degrees.to_radians());
-            (to_f32(sin), to_f32(cos))
-        };
         let mut camera = Self {
-            sides: (side(cols), side(rows)),
-            turn: angle(TURN_DEG),
-            pitch: angle(PITCH_DEG),
+            sides: ((cols as f32 / longer).max(NARROWEST), (rows as f32 / longer).max(NARROWEST)),
+            turn: sin_cos(TURN_DEG),
+            pitch: sin_cos(PITCH_DEG),
             scale: 1.0,
             origin: (0.0, 0.0),
         };
@@ -61,7 +62,8 @@ impl SurfaceCamera {
         let bottom = camera.at(1.0, 1.0, GROUND).1;
         camera.scale = (width / (right - left)).min(height / (bottom - top));
         camera.origin = (-left * camera.scale, -top * camera.scale);
-        (camera, ((right - left) * camera.scale, (bottom - top) * camera.scale))
+        let size = ((right - left) * camera.scale, (bottom - top) * camera.scale);
+        FittedCamera { camera, size }
     }
 
     /// The same view, shifted in the picture.
@@ -104,6 +106,11 @@ impl SurfaceCamera {
     }
 }
 
+fn sin_cos(degrees: f64) -> (f32, f32) {
+    let (sin, cos) = ops::sin_cos(degrees.to_radians());
+    (to_f32(sin), to_f32(cos))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -111,7 +118,7 @@ mod tests {
     #[test]
     fn the_whole_box_fits() {
         for size in [(14, 20), (1, 500), (500, 1), (1, 1), (242, 242)] {
-            let (camera, (width, height)) = SurfaceCamera::fit(size, (800.0, 600.0));
+            let FittedCamera { camera, size: (width, height) } = SurfaceCamera::fit(size, (800.0, 600.0));
             assert!(width <= 800.1 && height <= 600.1);
             for (x, y) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
                 for level in [GROUND, 1.0] {
@@ -124,7 +131,7 @@ mod tests {
 
     #[test]
     fn spots_towards_the_viewer_fall_on_one_pixel() {
-        let (camera, _) = SurfaceCamera::fit((30, 50), (800.0, 600.0));
+        let camera = SurfaceCamera::fit((30, 50), (800.0, 600.0)).camera;
         let from = SpacePoint { x: 0.1, y: 0.2, level: 0.0 };
         let at = camera.spot(from);
         let mut count = 0;

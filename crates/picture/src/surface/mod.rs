@@ -10,7 +10,7 @@ mod relief;
 mod track;
 
 use axes::{axes_room, draw_axes};
-use camera::{GROUND, SurfaceCamera};
+use camera::{FittedCamera, GROUND, SurfaceCamera};
 use relief::Relief;
 use track::SurfaceTrack;
 
@@ -47,7 +47,7 @@ pub fn draw_surface(scene: &MapScene) -> Picture {
     let scale = scene.scale();
     let size = (scene.occupied.rows(), scene.occupied.cols());
     let relief = Relief::new(scene, heights.as_ref());
-    let (camera, (width, height)) = SurfaceCamera::fit(size, BOX);
+    let FittedCamera { camera, size: (width, height) } = SurfaceCamera::fit(size, BOX);
     let room = axes_room(size, scene.value_name, heights.as_ref());
     let legend = Legend { values: bar(scene, scale.as_ref()), key: key(scene) };
     let legend_left = MARGIN + room.left + width + room.right + MARGIN;

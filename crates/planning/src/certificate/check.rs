@@ -101,8 +101,6 @@ impl Certificate {
     }
 
     fn check_numbers(&self) -> Result<(), BadCertificate> {
-        let range = |holds: bool, name, expected| holds.then_some(()).ok_or(BadCertificate::OutOfRange(name, expected));
-        let is_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite() && number.abs() < 1e6);
         range(is_finite(&self.start), "start", "numbers below a million")?;
         range(is_finite(&self.goal), "goal", "numbers below a million")?;
         range(self.corners.len() <= MAX_CORNERS, "corners", "at most 2000")?;
@@ -155,6 +153,15 @@ impl Certificate {
         }
         Ok(())
     }
+}
+
+fn is_finite(numbers: &[f64]) -> bool {
+    numbers.iter().all(|number| number.is_finite() && number.abs() < 1e6)
+}
+
+/// Refuses a number by its name unless it is in its range.
+fn range(holds: bool, name: &'static str, expected: &'static str) -> Result<(), BadCertificate> {
+    holds.then_some(()).ok_or(BadCertificate::OutOfRange(name, expected))
 }
 
 /// Returns `needed_m`, or less where a path across a box of poses may be shorter: a box is halved until it is proven or

@@ -171,14 +171,13 @@ impl ClearanceField {
         let length = along.length();
         let direction = if length > 0.0 { along / length } else { DVec2::ZERO };
         let needed = radius.max(0.0) + LINE_SLACK_M;
-        let excess = |travelled: f64, _| {
+        sweep::holds_everywhere(length, 1.0, LINE_SLACK_M, |travelled: f64, _| {
             let point = from + direction * travelled;
             let bound = self.lower_bound(point);
             // On ridges between bushes the lattice falls short, and a line along one would be refused for no reason.
             let distance = if bound < needed { self.distance(point) } else { bound };
             (distance >= needed).then_some(distance - needed)
-        };
-        sweep::holds_everywhere(length, 1.0, LINE_SLACK_M, excess)
+        })
     }
 
     /// Reads the lattice at a point of the field; beyond it, at the nearest lattice square. Of a coarse lattice it looks at

@@ -48,8 +48,6 @@ impl MotionPrice {
     pub fn in_time(limits: &SpeedLimits, body: &Dimensions) -> Self {
         let pace =
             |curvature: f64, length_m: f64| limits.forward_mps / limits.speed_on(&Segment { curvature, length_m });
-        // While a truck brakes from a speed or gains it, it drives half as far as it would at that speed.
-        let lost_s = |speed_mps: f64, limit: Option<f64>| limit.map_or(0.0, |mps2| 0.5 * speed_mps / mps2);
         let lost_at = |speed_mps| lost_s(speed_mps, limits.braking_mps2) + lost_s(speed_mps, limits.acceleration_mps2);
         // One side of a cusp is in reverse, the other forward.
         let cusp_s = 0.5 * (lost_at(limits.forward_mps) + lost_at(limits.reverse_mps));
@@ -82,11 +80,11 @@ impl MotionPrice {
     /// Returns the surcharge of the places that a segment from a pose passes.
     pub fn surcharge(&self, pose: Pose, segment: Segment) -> f64 {
         let Some(safety) = &self.safety else { return 0.0 };
-        let centre = |share: f64| {
-            let pose = segment.pose_at(pose, share * segment.length_m);
-            pose.position() + pose.direction() * self.ahead_m
-        };
-        self.per_metre * safety.surcharge_along(segment.length_m.abs(), centre)
+        self.per_metre
+            * safety.surcharge_along(segment.length_m.abs(), |share| {
+                let pose = segment.pose_at(pose, share * segment.length_m);
+                pose.position() + pose.direction() * self.ahead_m
+            })
     }
 
     /// Returns the surcharge of consecutive segments.
@@ -141,4 +139,10 @@ impl MotionPrice {
         // Curves are priced in metres, whatever the unit of this list is.
         CurvePrice { reverse_factor: 1.0 + self.reverse, cusp_m: self.cusp / self.per_metre }
     }
+}
+
+/// Returns the seconds that a change between rest and a speed costs beside driving at that speed.
+// While a truck brakes from a speed or gains it, it drives half as far as it would at that speed.
+fn lost_s(speed_mps: f64, limit: Option<f64>) -> f64 {
+    limit.map_or(0.0, |mps2| 0.5 * speed_mps / mps2)
 }

@@ -48,7 +48,6 @@ enum NodeContent {
 
 impl YamlNode {
     fn parse(text: &str) -> Result<Self, FileFault> {
-        let fault = |line: usize, message: &str| FileFault { line, message: message.to_owned() };
         // Values that are open, each with the key that waits for its value.
         let mut open: Vec<(Self, Option<String>)> = Vec::new();
         for event in Parser::new_from_str(text) {
@@ -140,6 +139,10 @@ impl YamlNode {
     }
 }
 
+fn fault(line: usize, message: &str) -> FileFault {
+    FileFault { line, message: message.to_owned() }
+}
+
 /// The range of all numbers in a file; the planner and the judge check places against the map.
 const ANY: RangeInclusive<f64> = -1e6..=1e6;
 
@@ -219,10 +222,9 @@ pub fn read_solution(text: &str) -> Result<Vec<Schedule>, FileFault> {
 
 /// Writes a solution as the benchmark's program does, with all digits; the runtime is in seconds.
 pub fn write_solution(instance: &Instance, routes: &[Route], cpu_s: f64) -> String {
-    let flowtimes = || routes.iter().map(Route::flowtime_m);
     let cost: f64 = routes.iter().map(Route::cost).sum();
-    let makespan = flowtimes().fold(0.0, f64::max);
-    let flowtime = flowtimes().sum::<f64>();
+    let makespan = routes.iter().map(Route::flowtime_m).fold(0.0, f64::max);
+    let flowtime = routes.iter().map(Route::flowtime_m).sum::<f64>();
     let mut text = format!(
         "statistics:\n  cost: {cost}\n  makespan: {makespan}\n  flowtime: {flowtime}\n  runtime: {cpu_s}\nschedule:\n"
     );

@@ -68,16 +68,7 @@ pub enum Mode {
     Exact,
 }
 
-impl Mode {
-    pub const ALL: [Self; 2] = [Self::Benchmark, Self::Exact];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Benchmark => "benchmark",
-            Self::Exact => "exact",
-        }
-    }
-}
+wildfire_base::names! { Mode { Benchmark: "benchmark", Exact: "exact" } }
 
 /// A vehicle: its name, and the poses of its rear axle.
 #[derive(Clone, Debug, PartialEq)]

@@ -36,16 +36,7 @@ pub enum RepairMethod {
     Repair,
 }
 
-impl RepairMethod {
-    pub const ALL: [Self; 2] = [Self::Prioritised, Self::Repair];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Prioritised => "prioritised",
-            Self::Repair => "repair",
-        }
-    }
-}
+wildfire_base::names! { RepairMethod { Prioritised: "prioritised", Repair: "repair" } }
 
 /// A plan's settings.
 #[derive(Clone, Copy, Debug)]

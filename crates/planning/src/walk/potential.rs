@@ -76,8 +76,7 @@ impl PotentialField {
         let rows = query.lattice.rows();
         let cols = query.lattice.cols();
         let goal = query.lattice.nearest(query.centre);
-        let farthest = |goal: usize, side: usize| goal.max(side - 1 - goal);
-        let greatest = self.settings.attraction.at(farthest(goal.0, rows), farthest(goal.1, cols));
+        let greatest = self.settings.attraction.greatest(rows, cols, goal);
         Potential { field: self, goal, greatest }
     }
 }

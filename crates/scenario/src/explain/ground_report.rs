@@ -111,7 +111,6 @@ fn slope_deg(landscape: &Landscape, index: usize) -> f64 {
 }
 
 fn describe_relief(landscape: &Landscape) -> String {
-    let tenths = |number: f64| (10.0 * number).round() / 10.0;
     let heights = match &landscape.relief {
         Relief::Plane(gradient) if *gradient == DVec2::ZERO => return "The ground is level.".into(),
         Relief::Plane(gradient) => {
@@ -135,6 +134,10 @@ fn describe_relief(landscape: &Landscape) -> String {
         sum += slope;
     }
     format!("{heights} up to {} degrees, {} on average.", tenths(max), tenths(sum / count as f64))
+}
+
+fn tenths(number: f64) -> f64 {
+    (10.0 * number).round() / 10.0
 }
 
 /// Describes the weather of a scenario, wind in both conventions.

@@ -22,7 +22,6 @@ use wildfire_base::geometry::Cell;
 pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     let scenario = &loaded.scenario;
     let values = ScenarioValues::new(loaded);
-    let section = |title: &str, lines: Vec<String>| [Block::Heading(title.into()), Block::List(lines)];
     let title = format!("{}: {} s of simulated time at most.", scenario.name, scenario.duration_s);
     let mut document = Document::new(title);
     let mut add = |title: &str, lines: Vec<String>| {
@@ -118,6 +117,10 @@ pub fn outline(loaded: &LoadedScenario) -> Vec<String> {
     }
     ranked.sort_by_key(|(rank, _)| *rank);
     ranked.into_iter().take(MAX_OUTLINE).map(|(_, line)| line).collect()
+}
+
+fn section(title: &str, lines: Vec<String>) -> [Block; 2] {
+    [Block::Heading(title.into()), Block::List(lines)]
 }
 
 /// Marks a value that is left to its default.

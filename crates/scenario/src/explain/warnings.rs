@@ -133,12 +133,11 @@ fn warn_of_cells(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>
     let mut burns = vec![false; terrain.frame.cell_count()];
     // Under the model `radius` bushes burn without fuel, so both lists are needed.
     terrain.with_fuel().chain(terrain.bushes.iter().copied()).for_each(|cell| burns[terrain.frame.index(cell)] = true);
-    let can_burn = |cell: &Cell| burns[terrain.frame.index(*cell)];
     let named = scenario.ignition.iter().filter_map(|ignition| match &ignition.cells {
         IgnitionCells::Cells(cells) => Some(cells),
         _ => None,
     });
-    let bare: Vec<&Cell> = named.flatten().filter(|cell| !can_burn(cell)).collect();
+    let bare: Vec<&Cell> = named.flatten().filter(|&&cell| !burns[terrain.frame.index(cell)]).collect();
     match (&terrain.landscape, bare.first()) {
         (_, None) => {}
         (None, Some(_)) => found.push(format!("Cells of ignitions that are not bushes of the map: {}.", bare.len())),

@@ -52,12 +52,7 @@ impl FieldPath {
     }
 
     pub fn from_serde(path: &serde_path_to_error::Path) -> Self {
-        let step = |segment: &Segment| match segment {
-            Segment::Seq { index } => Some(PathStep::Index(*index)),
-            Segment::Map { key } | Segment::Enum { variant: key } => Some(PathStep::Key(key.clone())),
-            Segment::Unknown => None,
-        };
-        Self(path.iter().filter_map(step).collect())
+        Self(path.iter().filter_map(step_of).collect())
     }
 
     /// Returns this path with one more step.
@@ -146,6 +141,14 @@ impl FieldPath {
             value = Some(next);
         }
         value.map_or(FoundSpan::Part(0..0), |value| FoundSpan::Whole { key, value: value.span() })
+    }
+}
+
+fn step_of(segment: &Segment) -> Option<PathStep> {
+    match segment {
+        Segment::Seq { index } => Some(PathStep::Index(*index)),
+        Segment::Map { key } | Segment::Enum { variant: key } => Some(PathStep::Key(key.clone())),
+        Segment::Unknown => None,
     }
 }
 

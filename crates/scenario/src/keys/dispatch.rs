@@ -1,7 +1,5 @@
 //! Who goes to which fire, decided for all trucks together, and what the trucks know when that is decided.
 
-use std::fmt;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -51,37 +49,15 @@ pub enum DispatchPolicy {
     Rollout,
 }
 
-impl DispatchPolicy {
-    /// All policies, in the order in which they are listed.
-    pub const ALL: [Self; 7] = [
-        Self::Nearest,
-        Self::NearestByDrive,
-        Self::NearestSavable,
-        Self::Hungarian,
-        Self::ThreatFirst,
-        Self::Auction,
-        Self::Rollout,
-    ];
-
-    /// Returns the name that scenarios and tables write.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Nearest => "nearest",
-            Self::NearestByDrive => "nearest-by-drive",
-            Self::NearestSavable => "nearest-savable",
-            Self::Hungarian => "hungarian",
-            Self::ThreatFirst => "threat-first",
-            Self::Auction => "auction",
-            Self::Rollout => "rollout",
-        }
-    }
-}
-
-impl fmt::Display for DispatchPolicy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+wildfire_base::names! { DispatchPolicy {
+    Nearest: "nearest",
+    NearestByDrive: "nearest-by-drive",
+    NearestSavable: "nearest-savable",
+    Hungarian: "hungarian",
+    ThreatFirst: "threat-first",
+    Auction: "auction",
+    Rollout: "rollout",
+} }
 
 /// Selects where trucks without a goal wait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -97,26 +73,7 @@ pub enum IdleRule {
     Learned,
 }
 
-impl IdleRule {
-    /// All rules, in the order in which they are listed.
-    pub const ALL: [Self; 4] = [Self::Stay, Self::Centroids, Self::Regions, Self::Learned];
-
-    /// Returns the name that scenarios and tables write.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Stay => "stay",
-            Self::Centroids => "centroids",
-            Self::Regions => "regions",
-            Self::Learned => "learned",
-        }
-    }
-}
-
-impl fmt::Display for IdleRule {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
+wildfire_base::names! { IdleRule { Stay: "stay", Centroids: "centroids", Regions: "regions", Learned: "learned" } }
 
 impl Dispatch {
     /// Returns what tables call the policy of the trucks: the policy, and the idle rule where it moves anybody.

@@ -184,8 +184,8 @@ impl Field {
         // There is a tolerance, as 0.3 / 0.1 is 2.9999999999999996 in floats.
         let is_whole = (side - side.round()).abs() <= 1e-9 * side;
         let sides_fit = |frame: &FieldFrame| {
-            let fits = |side: u16| (1..=MAX_RASTER_SIDE).contains(&side.into());
-            fits(frame.cols) && fits(frame.rows) && frame.cell_m == self.cell_m
+            let sides = [frame.cols, frame.rows].map(usize::from);
+            sides.iter().all(|side| (1..=MAX_RASTER_SIDE).contains(side)) && frame.cell_m == self.cell_m
         };
         if let Some(frame) = &self.raster_frame {
             if !sides_fit(frame) {

@@ -172,8 +172,8 @@ impl WalkGround {
     }
 
     fn has_planner_of(&self, other: &Self) -> bool {
-        let rules = |ground: &Self| (ground.method, ground.step_cost);
-        self.has_lattice_of(other) && rules(self) == rules(other) && self.safety == other.safety
+        let has_same_rules = self.method == other.method && self.step_cost == other.step_cost;
+        self.has_lattice_of(other) && has_same_rules && self.safety == other.safety
     }
 
     fn has_targets_of(&self, other: &Self) -> bool {
@@ -457,20 +457,19 @@ fn warn_of_idle_wumpuses(wumpuses: &[Wumpus], terrain: &Terrain, found: &mut Vec
         if bushes.is_empty() || bushes.iter().any(|&cell| stands(cell, wumpus.reach_m).next().is_some()) {
             continue;
         }
-        let nearest = |within_m: f64| {
-            let metres = |cell| {
-                let centre = lattice.centre(cell);
-                stands(cell, within_m).map(|point| lattice.position(point).distance(centre)).reduce(f64::min)
-            };
-            bushes.iter().filter_map(|&cell| metres(cell)).reduce(f64::min)
-        };
         // Farther and farther away, as long as that is quick: most often the nearest place is a cell or two away.
         let is_quick = |within_m: &f64| {
             let across = 2.0 * within_m / lattice.step_m() + 1.0;
             bushes.len() as f64 * across * across <= MAX_LOOKS
         };
         let farther = iter::successors(Some(terrain.frame.cell_m), |metres| Some(2.0 * metres));
-        let min_m = farther.take_while(is_quick).find_map(nearest);
+        let min_m = farther.take_while(is_quick).find_map(|within_m| {
+            let metres = |cell| {
+                let centre = lattice.centre(cell);
+                stands(cell, within_m).map(|point| lattice.position(point).distance(centre)).reduce(f64::min)
+            };
+            bushes.iter().filter_map(|&cell| metres(cell)).reduce(f64::min)
+        });
         found.push(format!(
             "On the field of seed {SHOWN_SEED} Wumpus {number} can light none of the {} bushes: no bush's centre is \
              within `reach_m`, {} m, of a place that it can reach{}.",

@@ -60,10 +60,7 @@ type ReadField = (FieldFrame, Grid<bool>, usize);
 /// # Errors
 /// Fails if the text is not GeoJSON, as the JSON reader says, or as [`Shapes::field`] does.
 pub(crate) fn parse(text: &str, cell_m: f64, max: u16) -> Result<Result<ReadField, MapFault>, serde_json::Error> {
-    let mut shapes = Shapes::default();
-    let mut json = serde_json::Deserializer::from_str(text);
-    Member(&mut shapes).deserialize(&mut json)?;
-    json.end()?;
+    let shapes = Shapes::read(text, false)?;
     let left_out = shapes.left_out;
     Ok(shapes.field(cell_m, max).map(|(frame, occupied)| (frame, occupied, left_out)))
 }
@@ -671,7 +668,9 @@ mod tests {
         let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
         let covered = |geometries: &str| {
             let text = format!(r#"{{"type": "GeometryCollection", "geometries": [{geometries}]}}"#);
-            covered_cells(&text, &frame, None).expect("GeoJSON").map(|cells| cells.iter().filter(|&&cell| cell == 1).count())
+            covered_cells(&text, &frame, None)
+                .expect("GeoJSON")
+                .map(|cells| cells.iter().filter(|&&cell| cell == 1).count())
         };
         assert_eq!(covered(line), Ok(5));
         assert_eq!(covered(&format!("{line}, {}", polygon("[[0,10],[20,10],[20,30],[0,30],[0,10]]"))), Ok(9));

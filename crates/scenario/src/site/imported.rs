@@ -178,11 +178,14 @@ fn parse_row(line: &str, start: usize) -> Result<Vec<bool>, MapError> {
 }
 
 fn frame_from(cols: usize, rows: usize, cell_m: f64) -> Result<FieldFrame, MapFault> {
-    let side = |cells| u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(TOO_LARGE);
     if !(cell_m > 0.0 && cell_m.is_finite()) {
         return Err(MapFault::CellSize { found: cell_m });
     }
     Ok(FieldFrame { cols: side(cols)?, rows: side(rows)?, cell_m })
+}
+
+fn side(cells: usize) -> Result<u16, MapFault> {
+    u16::try_from(cells).ok().filter(|&side| side <= MAX_CELLS_A_SIDE).ok_or(TOO_LARGE)
 }
 
 /// The members of a JSON map that say how large it is.

@@ -17,7 +17,7 @@ use super::layers::{ImportedLayers, PackedLayer};
 use crate::faults::check::{Check, TablePath};
 use crate::faults::path::PathStep;
 use crate::{FireModelName, Scenario};
-use wildfire_base::geometry::{Cell, FieldFrame, compass, ops};
+use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass, ops};
 use wildfire_base::ranges;
 use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::{CanopyLayers, Landscape, Relief};
@@ -236,11 +236,12 @@ fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &
     if !settings.hills.is_empty() {
         return Relief::Elevation(hill_elevations(&settings.hills, frame, seed));
     }
-    let plane = |settings: &crate::RothermelSettings| {
-        // House angles count from east against the clock, azimuths from north with it.
-        compass::unit_toward(90.0 - settings.uphill_deg) * ops::tan(settings.slope_deg.to_radians())
-    };
-    scenario.fire.rothermel.as_ref().map_or(Relief::FLAT, |settings| Relief::Plane(plane(settings)))
+    scenario.fire.rothermel.as_ref().map_or(Relief::FLAT, |settings| Relief::Plane(plane_gradient(settings)))
+}
+
+fn plane_gradient(settings: &crate::RothermelSettings) -> DVec2 {
+    // House angles count from east against the clock, azimuths from north with it.
+    compass::unit_toward(90.0 - settings.uphill_deg) * ops::tan(settings.slope_deg.to_radians())
 }
 
 #[cfg(test)]
@@ -315,7 +316,7 @@ mod tests {
         let landscape = terrain.landscape.expect("the ground burns");
         assert_eq!(landscape.fuel_number(Cell { col: 0, row: 0 }), 104, "the last line of the file is south");
         assert_eq!(landscape.fuel_number(Cell { col: 0, row: 3 }), 101);
-        assert_eq!(landscape.gradient(Cell { col: 3, row: 1 }), wildfire_base::geometry::DVec2::new(0.0, 0.5));
+        assert_eq!(landscape.gradient(Cell { col: 3, row: 1 }), DVec2::new(0.0, 0.5));
         assert_eq!(terrain.blocked, [0, 1, 2, 3].map(|row| Cell { col: 2, row }));
     }
 

@@ -230,16 +230,14 @@ fn draw_normal(rng: &mut impl Rng) -> f64 {
 
 /// Joins winds and moistures, each in order of time, to one table.
 fn table(winds: &[WindChange], moistures: &[(f64, FuelMoisture)]) -> Weather {
-    let at = |second: f64| SimTime::from_seconds(second);
-    let mut times: Vec<SimTime> =
-        winds.iter().map(|wind| at(wind.at_s)).chain(moistures.iter().map(|it| at(it.0))).collect();
-    // A run begins at 0 s, whether or not anything changes then.
-    times.push(SimTime::ZERO);
+    let seconds = winds.iter().map(|wind| wind.at_s).chain(moistures.iter().map(|it| it.0)).chain([0.0]);
+    let mut times: Vec<SimTime> = seconds.map(SimTime::from_seconds).collect();
     times.sort_unstable();
     times.dedup();
     let interval = |from: SimTime| {
-        let wind = winds.iter().rev().find(|wind| at(wind.at_s) <= from);
-        let moisture = moistures.iter().rev().find(|it| at(it.0) <= from).expect("the first begins at zero").1;
+        let wind = winds.iter().rev().find(|wind| SimTime::from_seconds(wind.at_s) <= from);
+        let moisture = moistures.iter().rev().find(|it| SimTime::from_seconds(it.0) <= from);
+        let moisture = moisture.expect("the first begins at zero").1;
         WeatherInterval { from, wind_mps: wind.map_or(DVec2::ZERO, WindChange::vector), moisture }
     };
     Weather::new(times.into_iter().map(interval).collect()).expect("times ascend from zero")

@@ -36,7 +36,6 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
     let middle =
         (place / frame.cell_m).floor().clamp(DVec2::ZERO, DVec2::new(f64::from(cols - 1), f64::from(rows - 1)));
     let (col, row) = (middle.x as i32, middle.y as i32);
-    let squared_m = |cell: Cell| (frame.centre(cell) - place).length_squared();
     let mut best: Option<(f64, Cell)> = None;
     for ring in 0..cols.max(rows) {
         // The place is in the middle cell, so at least half a cell less than the ring from every centre on it.
@@ -45,7 +44,7 @@ fn nearest_cell(frame: &FieldFrame, place: DVec2, is_wanted: impl Fn(Cell) -> bo
             break;
         }
         for cell in ring_around(frame, (col, row), ring) {
-            let squared = squared_m(cell);
+            let squared = (frame.centre(cell) - place).length_squared();
             let is_nearer = best.is_none_or(|(min, nearest)| {
                 squared < min || (squared == min && frame.index(cell) < frame.index(nearest))
             });

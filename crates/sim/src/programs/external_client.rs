@@ -42,20 +42,27 @@ pub struct ProgramSession {
 
 /// Programs that play in more than one run and are free at the moment.
 #[derive(Debug, Default)]
-pub struct Idle(Mutex<Vec<(Arc<Launch>, ProgramSession)>>);
+pub struct Idle(Mutex<Vec<IdleProgram>>);
+
+/// A program without a run, and how it was started.
+#[derive(Debug)]
+pub struct IdleProgram {
+    launch: Arc<Launch>,
+    session: ProgramSession,
+}
 
 impl Idle {
     /// Takes a program that was started in the same way, if one is free.
     pub fn take(&self, launch: &Launch) -> Option<ProgramSession> {
         // No thread that panics leaves the list half changed.
         let mut idle = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = idle.iter().position(|(other, _)| **other == *launch)?;
-        Some(idle.swap_remove(found).1)
+        let found = idle.iter().position(|other| *other.launch == *launch)?;
+        Some(idle.swap_remove(found).session)
     }
 
     /// Takes a program back, unless it has failed.
     pub fn give_back(&self, respondent: ExternalClient) {
-        if let Some(free) = respondent.into_session() {
+        if let Some(free) = respondent.into_idle() {
             self.0.lock().unwrap_or_else(PoisonError::into_inner).push(free);
         }
     }
@@ -64,7 +71,7 @@ impl Idle {
 impl Drop for Idle {
     fn drop(&mut self) {
         let idle = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
-        idle.into_iter().for_each(|(_, session)| session.end());
+        idle.into_iter().for_each(|program| program.session.end());
     }
 }
 
@@ -186,9 +193,9 @@ impl ExternalClient {
     }
 
     /// Gives the program away, to play in another run, if it has not failed.
-    pub fn into_session(mut self) -> Option<(Arc<Launch>, ProgramSession)> {
+    pub fn into_idle(mut self) -> Option<IdleProgram> {
         let session = self.session.take()?;
-        Some((Arc::clone(&self.program), session))
+        Some(IdleProgram { launch: Arc::clone(&self.program), session })
     }
 }
 

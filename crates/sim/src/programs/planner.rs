@@ -62,15 +62,13 @@ impl TruckPlanner for ProgramPlanner {
             local_expansions: counted.or(reported).unwrap_or(0).max(min),
             ..Effort::default()
         };
-        // Nor does the CPU time that a module reports.
-        let reported_s = |cpu_s: Option<f64>| cpu_s.filter(|_| instructions.is_none());
         match answer {
             Ok(FromProgram::Path(answer)) => {
                 show(answer.searched.as_deref(), observer);
                 let path = self.path(start, &answer);
                 Plan {
                     effort: effort(answer.expansions),
-                    cpu: cpu_of(cpu, reported_s(answer.cpu_s)),
+                    cpu: cpu_of(cpu, answer.cpu_s.filter(|_| instructions.is_none())),
                     ..Plan::from(Ok(path))
                 }
             }
@@ -84,7 +82,7 @@ impl TruckPlanner for ProgramPlanner {
                 };
                 Plan {
                     effort: effort(answer.expansions),
-                    cpu: cpu_of(cpu, reported_s(answer.cpu_s)),
+                    cpu: cpu_of(cpu, answer.cpu_s.filter(|_| instructions.is_none())),
                     ..Plan::from(Err(failure))
                 }
             }

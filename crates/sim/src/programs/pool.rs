@@ -22,7 +22,6 @@ use wildfire_module::{Engine, Module};
 use wildfire_planning::collision::{ClearanceField, MIN_CLEARANCE_M};
 use wildfire_planning::{MakeError, NameError, PlannerContext, PlannerName, Planners, TruckPlanner};
 use wildfire_scenario::{Program, Programs, Scenario, UsedProgram};
-use wildfire_timeline::AgentId;
 
 /// The most processes of a program at once.
 const MAX_PROCESSES: usize = 16;
@@ -111,12 +110,11 @@ impl ProgramPool {
                 let first = site.plays.iter().find(|agent| agent.role.drives());
                 let body = first.and_then(|agent| bodies.get(usize::from(agent.number)));
                 let cells: Vec<[u16; 2]> = site.bushes.iter().copied().map(column_and_row).collect();
-                let names = |agents: &[AgentId]| Some(agents.iter().map(ToString::to_string).collect());
                 let message = ToProgram::Field(FieldMessage {
                     vehicle: body.map(|(body, speeds)| vehicle(body, speeds)),
                     limits: body.map(|(_, speeds)| limits(speeds)),
-                    agents: names(site.agents),
-                    plays: names(site.plays),
+                    agents: Some(site.agents.iter().map(ToString::to_string).collect()),
+                    plays: Some(site.plays.iter().map(ToString::to_string).collect()),
                     ..FieldMessage::new(&run, seed, &site.frame, &cells, site.custom_settings)
                 });
                 let respondent = start(launch, idle.as_ref(), seed, &message)?;

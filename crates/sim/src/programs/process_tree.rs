@@ -176,13 +176,12 @@ impl GroupClock {
     pub fn total(&mut self) -> Option<Duration> {
         use nix::time::{ClockId, clock_gettime};
 
-        let read = |clock: ClockId| clock_gettime(clock).ok().map(Duration::from);
         let of_ended = |stat: Stat| self.tick * u32::try_from(stat.ended_ticks).unwrap_or(u32::MAX);
         // A process that has ended has no clock, and one that ended at once never had; what it took is among what was reaped.
-        let time = self.clock.and_then(read);
+        let time = self.clock.and_then(|clock: ClockId| clock_gettime(clock).ok().map(Duration::from));
         let leader = time.map_or(Duration::ZERO, |time| time + self.leader_stat().map_or(Duration::ZERO, of_ended));
         let others = self.others.iter().filter_map(|&pid| {
-            let time = read(ClockId::pid_cpu_clock_id(Pid::from_raw(pid)).ok()?)?;
+            let time = clock_gettime(ClockId::pid_cpu_clock_id(Pid::from_raw(pid)).ok()?).ok().map(Duration::from)?;
             Some(time + Stat::of(pid).map_or(Duration::ZERO, of_ended))
         });
         self.total = self.total.max(leader + others.sum::<Duration>() + self.reaped);

@@ -6,7 +6,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use super::drive::{Departure, DepartureContext};
-use super::{Blocked, DecisionState, Drive, Fleet, Truck};
+use super::{BlockReason, Blocked, DecisionState, Drive, Fleet, Truck};
 use crate::agent::{Activity, Agent};
 use crate::fire::Fires;
 use crate::policies::{Action, PolicyId, PolicyQuery, PolicyScope, PolicySet};
@@ -371,9 +371,10 @@ impl Fleet<'_, '_> {
                 agent.refill(entity, full_tank, until, &mut self.queue);
             }
             DecisionOutcome::Waits(blocked) => {
-                let (goal, by) = blocked[0].reason();
+                let reason = blocked[0].reason();
                 // Looking again without success is no new fact.
-                if state.before.first().map(Blocked::reason) != Some((goal, by)) {
+                if state.before.first().map(Blocked::reason) != Some(reason) {
+                    let BlockReason { goal, by } = reason;
                     self.recorder.record_agent(now, agent.id, AgentFact::Blocked { goal, by });
                 }
                 // Void what is scheduled for the decision that ends here.

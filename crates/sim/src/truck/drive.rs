@@ -11,7 +11,8 @@ use wildfire_base::time::cpu::CpuStopwatch;
 use wildfire_base::trajectory::Trajectory;
 use wildfire_planning::traffic::{BlockedLeg, plan_among, replan_around};
 use wildfire_planning::{
-    CpuSource, Effort, Found, FoundBy, GoalDisc, Plan, PlanFailure, QueryMonitor, QueryRecord, plan_to_nearest,
+    CpuSource, Effort, Found, FoundBy, GoalDisc, NearestPlan, Plan, PlanFailure, QueryMonitor, QueryRecord,
+    plan_to_nearest,
 };
 use wildfire_scenario::TrafficPlan;
 
@@ -72,7 +73,7 @@ impl Truck {
         let discs: Vec<GoalDisc> = goals.iter().map(|&goal| self.disc(outset.frame, goal)).collect();
         let mut monitor = QueryMonitor::new(recorder.records_searches);
         let planner = &mut **self.planner.lock();
-        let (index, plan) = plan_to_nearest(planner, &self.body, outset.pose, &discs, &mut monitor)?;
+        let NearestPlan { index, plan } = plan_to_nearest(planner, &self.body, outset.pose, &discs, &mut monitor)?;
         let Found { path, by: found_by } = finish_query(plan, monitor, outset.now, spent, cost, recorder).ok()?;
         Some(Drive { goal: goals[index], path, back_m: 0.0, effort: *spent, found_by })
     }
@@ -185,9 +186,8 @@ impl Truck {
         }
         let mut stopwatch = CpuStopwatch::start();
         let mut effort = blocked.effort;
-        let ready = |effort: &Effort| outset.now + outset.delay + self.charge(effort);
         // As if nobody were there: it shows where the truck meets others, and when.
-        let direct = self.leg(&blocked.path, ready(&effort));
+        let direct = self.leg(&blocked.path, outset.now + outset.delay + self.charge(&effort));
         let others = outset.traffic.predicted_for(&self.body);
         let mut found = Vec::new();
         for Meeting { wait_s, leg, meets_at } in outset.traffic.meetings(&self.body, &direct) {
@@ -198,7 +198,7 @@ impl Truck {
         cost.local_search += stopwatch.elapsed_since_last();
         // Only now, when the effort of all searches is known, which delays every departure.
         let legs = found.into_iter().filter_map(|(path, wait_s)| {
-            let leg = after_waiting(&self.leg(&path, ready(&effort)), wait_s);
+            let leg = after_waiting(&self.leg(&path, outset.now + outset.delay + self.charge(&effort)), wait_s);
             let leg = outset.traffic.departure(&self.body, &leg).ok()?;
             Some(Departure { drive: Drive { path, effort, ..blocked.clone() }, leg })
         });

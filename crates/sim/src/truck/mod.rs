@@ -149,10 +149,16 @@ pub struct Blocked {
     pub by: AgentId,
 }
 
+/// The goal of a drive, and the truck that blocks it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockReason {
+    pub goal: Cell,
+    pub by: AgentId,
+}
+
 impl Blocked {
-    /// Returns its goal, and the truck that blocks it.
-    pub fn reason(&self) -> (Cell, AgentId) {
-        (self.drive.goal, self.by)
+    pub fn reason(&self) -> BlockReason {
+        BlockReason { goal: self.drive.goal, by: self.by }
     }
 }
 

@@ -52,7 +52,7 @@ impl Tracks {
         // It may have been cut short before it was back.
         let back_m = leading_back_m.min(driven.length_m());
         self.remove_last(back_m);
-        let (_, onward) = driven.split_at(back_m);
+        let [_, onward] = driven.split_at(back_m);
         if !onward.segments.is_empty() {
             self.legs.push(onward);
         }
@@ -64,7 +64,8 @@ impl Tracks {
         {
             let length_m = leg.length_m();
             if metres < length_m {
-                self.legs.push(leg.split_at(length_m - metres).0);
+                let [kept, _] = leg.split_at(length_m - metres);
+                self.legs.push(kept);
             }
             metres -= length_m;
         }
@@ -141,7 +142,7 @@ mod tests {
         for cut_m in [1.0, 4.5, 0.25, 9.0, 6.0] {
             let legs = tracks.legs();
             let path = set_out_back(&mut tracks, pose, legs, Path::standing(pose));
-            let (cut, _) = path.split_at(cut_m);
+            let [cut, _] = path.split_at(cut_m);
             pose = cut.end();
             tracks.record(Some(cut));
             length_m -= cut_m;

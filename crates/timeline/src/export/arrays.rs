@@ -139,11 +139,6 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
     arrays.add("leg_first_pieces", &[legs.len() + 1], std::iter::once(0).chain(ends))?;
     let pieces = || ways().flat_map(Trajectory::pieces_with_starts);
     let count = pieces().count();
-    let motion = |piece: &Piece| match piece {
-        Piece::Drive { .. } => motion::DRIVE,
-        Piece::Turn { .. } => motion::TURN,
-        Piece::Wait { .. } => motion::WAIT,
-    };
     let drives = |piece: &Piece| match *piece {
         Piece::Drive { segment, speed_mps, acceleration_mps2 } => {
             [segment.curvature, segment.length_m, speed_mps, acceleration_mps2]
@@ -151,10 +146,18 @@ fn write_legs<W: Write>(arrays: &mut ArrayFile<W>, index: &RunIndex<'_>, agents:
         // Zeros keep the array rectangular, as the other pieces have no such numbers.
         Piece::Turn { .. } | Piece::Wait { .. } => [0.0; 4],
     };
-    arrays.add("piece_motions", &[count], pieces().map(|(_, piece)| motion(piece)))?;
+    arrays.add("piece_motions", &[count], pieces().map(|(_, piece)| motion_of(piece)))?;
     arrays.add("piece_starts", &[count, 3], pieces().flat_map(|(start, _)| numbers(start)))?;
     arrays.add("piece_lasts_s", &[count], pieces().map(|(_, piece)| piece.duration_s()))?;
     arrays.add("piece_drives", &[count, 4], pieces().flat_map(|(_, piece)| drives(piece)))
+}
+
+fn motion_of(piece: &Piece) -> u8 {
+    match piece {
+        Piece::Drive { .. } => motion::DRIVE,
+        Piece::Turn { .. } => motion::TURN,
+        Piece::Wait { .. } => motion::WAIT,
+    }
 }
 
 fn pair(cell: Cell) -> [u16; 2] {

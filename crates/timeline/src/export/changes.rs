@@ -1,6 +1,6 @@
 //! Changes of cells, bushes and ground, in one list.
 
-use crate::RunIndex;
+use crate::{ChangedBush, RunIndex};
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
 use wildfire_fire::BushStateKind;
@@ -21,9 +21,11 @@ pub fn cell_changes(index: &RunIndex<'_>) -> Vec<ExportedChange> {
     let timeline = index.timeline();
     let end = index.end_time();
     let events = timeline.events.iter().take_while(|event| event.time <= end);
-    let bush = |(cell, state): (Cell, crate::BushState), time| ExportedChange { time, cell, state: state.kind() };
-    let mut changes: Vec<ExportedChange> =
-        events.filter_map(|event| Some(bush(event.bush_change()?, event.time))).collect();
+    let bushes = events.filter_map(|event| {
+        let ChangedBush { cell, state } = event.bush_change()?;
+        Some(ExportedChange { time: event.time, cell, state: state.kind() })
+    });
+    let mut changes: Vec<ExportedChange> = bushes.collect();
     let Some(ground) = index.ground() else { return changes };
     let frame = timeline.setting.frame;
     for cell in (0..frame.cell_count()).map(|index| frame.cell(index)) {

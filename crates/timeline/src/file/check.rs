@@ -103,13 +103,14 @@ fn check_setting(setting: &Setting) -> Result<(), FileError> {
     setting.spread.as_ref().map_or(Ok(()), |spread| check_spread(spread, frame))?;
     setting.water.as_ref().map_or(Ok(()), check_water)?;
     limit("trucks that ground slows", setting.ground_shares.len(), MAX_AGENTS)?;
-    // One for each number that a byte has, and fuel models are numbered by a byte.
-    let are_shares = |(_, shares): &(AgentId, Vec<f64>)| {
-        shares.len() == 256 && shares.iter().all(|share| *share > 0.0 && *share <= 1.0)
-    };
     require(setting.ground_shares.iter().all(are_shares), || "a truck's speeds by ground are not 256 shares".into())?;
     limit("crews", setting.line.as_ref().map_or(0, |line| line.crews.len()), MAX_AGENTS)?;
     check_rules(&setting.rules)
+}
+
+// One for each number that a byte has, and fuel models are numbered by a byte.
+fn are_shares((_, shares): &(AgentId, Vec<f64>)) -> bool {
+    shares.len() == 256 && shares.iter().all(|share| *share > 0.0 && *share <= 1.0)
 }
 
 fn check_water(water: &WaterRules) -> Result<(), FileError> {
@@ -132,10 +133,6 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
     let weather = spread.weather();
     check_landscape(landscape, frame)?;
     limit("intervals of weather", weather.intervals().len(), MAX_WEATHER)?;
-    let is_weather = |WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval| {
-        let moistures = [moisture.d1, moisture.d10, moisture.d100, moisture.herb, moisture.woody];
-        wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
-    };
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
     // Winds are looked up by the index of a cell, without another test.
     let is_of_field =
@@ -160,6 +157,11 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
             require(is_possible, || "its automaton has an impossible probability, coefficient or step".into())
         }
     }
+}
+
+fn is_weather(WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval) -> bool {
+    let moistures = [moisture.d1, moisture.d10, moisture.d100, moisture.herb, moisture.woody];
+    wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
 }
 
 fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileError> {

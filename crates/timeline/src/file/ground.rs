@@ -242,8 +242,6 @@ fn take_record(records: &mut &[u8], setting: &Setting, base: RecordBase) -> Resu
         is_inside.then(|| frame.cell(index as usize)).ok_or(NO_SUCH_CELL)
     };
     let agent = |place: u32| setting.agents.get(place as usize).map(|agent| agent.id).ok_or(NO_SUCH_AGENT);
-    let later = |time: SimTime, nanos| time.as_nanos().checked_add(nanos).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME);
-    // Sums are checked, as a file may hold any numbers.
     let place = base.place.checked_add(take(records)?).ok_or(MISCOUNTED)?;
     let time = later(base.time, take(records)?)?;
     let kind: u32 = take(records)?;
@@ -265,4 +263,8 @@ fn take_record(records: &mut &[u8], setting: &Setting, base: RecordBase) -> Resu
         _ => return Err(NO_SUCH_WORD),
     };
     Ok((place, GroundEvent { time, cell: changed, fact }))
+}
+
+fn later(time: SimTime, nanos: u64) -> Result<SimTime, FileError> {
+    time.as_nanos().checked_add(nanos).map(SimTime::from_nanos).ok_or(NO_SUCH_TIME)
 }

@@ -1,15 +1,15 @@
 //! The setting of a run as recordings store it.
 //!
-//! These types fix the order and the width of what is written, whatever the program's own types become: postcard writes
-//! fields in order, integers as varints, and a variant by its place. New variants come last; a changed one is a new
-//! format.
+//! These types fix the order and the width of what is written: postcard writes fields in order, integers as varints, and a
+//! variant by its place. New variants come last; a changed one is a new format. The program's own types that hold just what is
+//! written, [`AgentId`], [`Pose`] and [`FireRules`], are written as they are: recordings of the tests show if one changes.
 
 use serde::{Deserialize, Serialize};
 
 use super::FileError;
 use super::check::{MAX_SIDE, limit};
 use super::facts::NO_SUCH_BUSH;
-use crate::{AgentId, AgentStart, Body, Role, Rules, Setting, WaterRules};
+use crate::{AgentId, AgentStart, Body, Rules, Setting, WaterRules};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, Pose};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::SpeedLimits;
@@ -33,16 +33,9 @@ pub struct SettingRecord {
 
 #[derive(Serialize, Deserialize)]
 struct AgentRecord {
-    id: IdRecord,
-    /// x, y and heading.
-    pose: [f64; 3],
+    id: AgentId,
+    pose: Pose,
     body: BodyRecord,
-}
-
-#[derive(Serialize, Deserialize)]
-enum IdRecord {
-    Wumpus(u16),
-    Unimog(u16),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -145,23 +138,12 @@ impl From<GroundSharesRecord> for (AgentId, Vec<f64>) {
 #[derive(Clone, Serialize, Deserialize)]
 enum FireRecord {
     Unknown,
-    Radius(RadiusRecord),
+    Radius(FireRules),
     /// The same where fire takes whole pieces, with the number of each bush's piece.
     RadiusOfPieces {
-        radius: RadiusRecord,
+        radius: FireRules,
         pieces: Vec<u32>,
     },
-}
-
-/// The rules of the radius.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-struct RadiusRecord {
-    spread_delay_ns: u64,
-    spread_radius_m: f64,
-    sources_spread: bool,
-    caught_spreads: bool,
-    burn_out_ns: Option<u64>,
-    reignition: bool,
 }
 
 impl From<&Setting> for SettingRecord {
@@ -191,14 +173,7 @@ impl From<&Setting> for SettingRecord {
 
 impl From<&AgentStart> for AgentRecord {
     fn from(&AgentStart { id, pose, body, limits: _ }: &AgentStart) -> Self {
-        Self {
-            id: match id.role {
-                Role::Wumpus => IdRecord::Wumpus(id.number),
-                Role::Unimog => IdRecord::Unimog(id.number),
-            },
-            pose: [pose.x, pose.y, pose.heading],
-            body: body.into(),
-        }
+        Self { id, pose, body: body.into() }
     }
 }
 
@@ -258,7 +233,7 @@ impl From<&Setting> for SettingTail {
         Self {
             limits: setting.agents.iter().map(|agent| agent.limits.map(limits)).collect(),
             extinguishes_all: setting.rules.extinguishes_all,
-            fire: match setting.rules.fire.map(RadiusRecord::from) {
+            fire: match setting.rules.fire {
                 None => FireRecord::Unknown,
                 Some(radius) if setting.pieces.is_empty() => FireRecord::Radius(radius),
                 Some(radius) => FireRecord::RadiusOfPieces { radius, pieces: setting.pieces.clone() },
@@ -325,18 +300,14 @@ pub fn cells(frame: FieldFrame, steps: &[u32]) -> Result<Vec<Cell>, FileError> {
 
 impl AgentRecord {
     fn start(&self, limits: Option<SpeedLimits>) -> AgentStart {
-        let [x, y, heading] = self.pose;
         let body = Body::from(&self.body);
         let steering = match body {
             Body::Square { .. } => None,
             Body::Truck(truck) => truck.steering_limits(),
         };
         AgentStart {
-            id: match self.id {
-                IdRecord::Wumpus(number) => AgentId::wumpus(number),
-                IdRecord::Unimog(number) => AgentId::unimog(number),
-            },
-            pose: Pose { x, y, heading },
+            id: self.id,
+            pose: self.pose,
             body,
             limits: limits.map(|limits| SpeedLimits { steering, ..limits }),
         }
@@ -357,37 +328,11 @@ impl From<LimitsRecord> for SpeedLimits {
     }
 }
 
-impl From<FireRules> for RadiusRecord {
-    fn from(rules: FireRules) -> Self {
-        Self {
-            spread_delay_ns: rules.spread_delay.as_nanos(),
-            spread_radius_m: rules.spread_radius_m,
-            sources_spread: rules.sources_spread,
-            caught_spreads: rules.caught_spreads,
-            burn_out_ns: rules.burn_out.map(SimTime::as_nanos),
-            reignition: rules.reignition,
-        }
-    }
-}
-
-impl From<RadiusRecord> for FireRules {
-    fn from(record: RadiusRecord) -> Self {
-        Self {
-            spread_delay: SimTime::from_nanos(record.spread_delay_ns),
-            spread_radius_m: record.spread_radius_m,
-            sources_spread: record.sources_spread,
-            caught_spreads: record.caught_spreads,
-            burn_out: record.burn_out_ns.map(SimTime::from_nanos),
-            reignition: record.reignition,
-        }
-    }
-}
-
 impl FireRecord {
     fn rules(&self) -> Option<FireRules> {
         match *self {
             Self::Unknown => None,
-            Self::Radius(radius) | Self::RadiusOfPieces { radius, .. } => Some(radius.into()),
+            Self::Radius(radius) | Self::RadiusOfPieces { radius, .. } => Some(radius),
         }
     }
 

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-use crate::{BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
+use crate::{BushIgnition, BushState, Cause, GroundEvent, GroundFact, GroundOutcome, LineOutcome, Setting, Timeline};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 
@@ -226,9 +226,9 @@ impl GroundIndex {
 
     /// Counts the ground cells after all events at a time.
     pub fn counts_at(&self, time: SimTime) -> GroundCounts {
-        let so_far = |times: &[SimTime]| times.partition_point(|&happened| happened <= time) as u32;
         let [ignited, relit, burned_out, extinguished] =
-            [&self.ignited, &self.relit, &self.burned_out, &self.extinguished].map(|times| so_far(times));
+            [&self.ignited, &self.relit, &self.burned_out, &self.extinguished]
+                .map(|times| times.partition_point(|&happened| happened <= time) as u32);
         GroundCounts {
             cells: self.cells,
             burning: ignited - burned_out - extinguished,
@@ -285,20 +285,17 @@ impl GroundIndex {
         let end = self.counts_at(self.end);
         let causes_of_bushes = timeline.events.iter().take_while(|event| event.time <= self.end);
         let causes_of_bushes = causes_of_bushes.filter_map(|event| event.fact.ignition());
-        let of_ground = |event: &GroundEvent| match event.fact {
-            GroundFact::Ignited(cause) => Some((event.cell, cause)),
-            _ => None,
-        };
         let ground = timeline.ground.iter().take_while(|event| event.time <= self.end);
         let mut burned = vec![false; self.frame.cell_count()];
         let mut spotted = 0;
         let mut bushes_burned = 0_u32;
-        for (cell, cause) in causes_of_bushes {
+        for BushIgnition { cell, cause } in causes_of_bushes {
             // A bush that is lit again does not burn its area twice.
             bushes_burned += u32::from(!std::mem::replace(&mut burned[self.frame.index(cell)], true));
             spotted += u32::from(matches!(cause, Cause::Spotted(_)));
         }
-        spotted += ground.filter_map(of_ground).filter(|(_, cause)| matches!(cause, Cause::Spotted(_))).count() as u32;
+        let is_spotted = |event: &&GroundEvent| matches!(event.fact, GroundFact::Ignited(Cause::Spotted(_)));
+        spotted += ground.filter(is_spotted).count() as u32;
         let cells_burned = self.first.windows(2).filter(|cell| cell[0] < cell[1]).count() as u32;
         let reached_edge = self.reached_edge(timeline);
         let last_ignition = self.last_ignition(timeline);
@@ -336,7 +333,7 @@ impl GroundIndex {
             let is_ignition = matches!(event.fact, GroundFact::Ignited(_));
             is_ignition && is_border(event.cell)
         });
-        let bush = timeline.events.iter().find(|event| event.fact.ignition().is_some_and(|(cell, _)| is_border(cell)));
+        let bush = timeline.events.iter().find(|event| event.fact.ignition().is_some_and(|it| is_border(it.cell)));
         let times = [ground.map(|event| event.time), bush.map(|event| event.time)];
         times.into_iter().flatten().min().filter(|&time| time <= self.end)
     }
@@ -488,7 +485,7 @@ mod tests {
         let is_inside =
             |cell: Cell| cell.col > 0 && cell.row > 0 && cell.col + 1 < frame.cols && cell.row + 1 < frame.rows;
         timeline.ground.retain(|event| is_inside(event.cell));
-        timeline.events.retain(|event| event.fact.ignition().is_none_or(|(cell, _)| is_inside(cell)));
+        timeline.events.retain(|event| event.fact.ignition().is_none_or(|it| is_inside(it.cell)));
         let found = outcome(&timeline);
         assert!(found.contained_at_s.is_some_and(|at_s| at_s <= last_s) && found.escaped == Some(false), "{found:?}");
         timeline.setting.rules.duration = time;

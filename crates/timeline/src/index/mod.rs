@@ -46,6 +46,13 @@ pub struct RunIndex<'a> {
     outcome: Outcome,
 }
 
+/// A search, with its place among the facts.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundSearch<'a> {
+    pub fact: usize,
+    pub graph: &'a SearchGraph,
+}
+
 /// A search of an agent, as a recording names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RecordedSearch {
@@ -170,10 +177,12 @@ impl<'a> RunIndex<'a> {
     }
 
     /// Returns the last search of an agent and phase that was recorded up to a time, with its place among the facts.
-    pub fn search_at(&self, agent: usize, phase: SearchPhase, time: SimTime) -> Option<(usize, &SearchGraph)> {
+    pub fn search_at(&self, agent: usize, phase: SearchPhase, time: SimTime) -> Option<FoundSearch<'_>> {
         let searches = self.agents[agent].searches.iter().rev().skip_while(|(at, _)| *at > time);
         searches.into_iter().find_map(|&(_, fact)| match &self.timeline.events[fact].fact {
-            Fact::Agent(_, AgentFact::Searched { phase: found, graph }) if *found == phase => Some((fact, graph)),
+            Fact::Agent(_, AgentFact::Searched { phase: found, graph }) if *found == phase => {
+                Some(FoundSearch { fact, graph })
+            }
             _ => None,
         })
     }

@@ -149,7 +149,7 @@ impl SpreadReport {
             reached_edge_s: reached_edge.map(SimTime::as_seconds),
             last_arrival_s: burned().map(|(_, time)| time).max().map(SimTime::as_seconds),
             farthest: farthest(fire, burned(), ignitions),
-            fire_types: (!fire_types.is_empty()).then(|| Members(FireType::tally(fire_types))),
+            fire_types: (!fire_types.is_empty()).then(|| FireType::tally(fire_types)),
             perimeter_m,
             cpu_s: cpu.as_secs_f64(),
             cpu_us_per_burned_cell: (burned_cells > 0).then(|| cpu.as_secs_f64() * 1e6 / burned_cells as f64),

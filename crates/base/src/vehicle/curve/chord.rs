@@ -58,24 +58,27 @@ impl Chord {
         }
     }
 
-    /// The image of this chord with no negative number, and the symmetries that lead there and back.
-    pub fn folded(self) -> (Self, Symmetry) {
+    /// The symmetries that lead to the image of this chord with no negative number, and back.
+    pub fn symmetry(&self) -> Symmetry {
         let left_behind = self.along < 0.0;
         let to_the_right = self.across < 0.0;
         let clockwise = self.turn < 0.0;
-        let symmetry = Symmetry {
+        Symmetry {
             flipped: left_behind,
             reflected: left_behind != clockwise,
             backwards: left_behind != (to_the_right != clockwise),
-        };
-        let image = Self {
+        }
+    }
+
+    /// The image of this chord with no negative number.
+    pub fn folded(&self) -> Self {
+        Self {
             along: self.along.abs(),
             across: self.across.abs(),
             turn: self.turn.abs(),
             half_sin: self.half_sin.abs(),
             half_cos: self.half_cos.abs(),
-        };
-        (image, symmetry)
+        }
     }
 }
 
@@ -114,8 +117,8 @@ mod tests {
     fn the_way_back_has_the_same_folded_chord() {
         for from in poses() {
             for to in poses() {
-                let there = Chord::between(from, to, RADIUS_M).folded().0;
-                let back = Chord::between(to, from, RADIUS_M).folded().0;
+                let there = Chord::between(from, to, RADIUS_M).folded();
+                let back = Chord::between(to, from, RADIUS_M).folded();
                 assert_eq!(there, back);
                 assert!(there.along >= 0.0 && there.across >= 0.0 && there.turn >= 0.0);
             }

@@ -96,7 +96,6 @@ impl Circles {
     #[inline(always)]
     pub fn view(&self, ends: Ends, reflected: bool, flipped: bool) -> View {
         let between = &self.between[ends as usize][usize::from(reflected)];
-        let sign = |negative| if negative { -1.0 } else { 1.0 };
         let (side, gear) = (sign(reflected), sign(flipped));
         View {
             vector: DVec2::new(gear * between.vector.x, side * between.vector.y),
@@ -107,6 +106,10 @@ impl Circles {
             half: DVec2::new(self.half.x, side * gear * self.half.y),
         }
     }
+}
+
+fn sign(negative: bool) -> f64 {
+    if negative { -1.0 } else { 1.0 }
 }
 
 impl Between {

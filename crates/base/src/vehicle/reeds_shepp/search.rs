@@ -92,8 +92,8 @@ impl Solved {
 
 impl WordPair {
     pub fn new(from: Pose, to: Pose, radius_m: f64) -> Self {
-        let (chord, symmetry) = Chord::between(from, to, radius_m).folded();
-        Self { circles: Circles::new(&chord), symmetry, radius_m }
+        let chord = Chord::between(from, to, radius_m);
+        Self { circles: Circles::new(&chord.folded()), symmetry: chord.symmetry(), radius_m }
     }
 
     /// The shortest word, if it is shorter than `bound` turning radii.

@@ -70,49 +70,31 @@ pub(super) enum WordForm {
     LpRpLp,
 }
 
+// Fewer cusps first: the search for the cheapest curve ends at the first word that has too many.
+crate::names! { WordForm {
+    LpSpLp: "L+S+L+",
+    LpSpRp: "L+S+R+",
+    LpRmLm: "L+R-L-",
+    LpRpLm: "L+R+L-",
+    LpRpLmRm: "L+R+L-R-",
+    LpRmSmLm: "L+R-S-L-",
+    LpSpRpLm: "L+S+R+L-",
+    LpRmSmRm: "L+R-S-R-",
+    LpSpLpRm: "L+S+L+R-",
+    LpRmLp: "L+R-L+",
+    LpRmLmRp: "L+R-L-R+",
+    LpRmSmLmRp: "L+R-S-L-R+",
+    LpRpLp: "L+R+L+",
+} }
+
 impl WordForm {
-    // Fewer cusps first: the search for the cheapest curve ends at the first word that has too many.
-    const ALL: [Self; 13] = [
-        Self::LpSpLp,
-        Self::LpSpRp,
-        Self::LpRmLm,
-        Self::LpRpLm,
-        Self::LpRpLmRm,
-        Self::LpRmSmLm,
-        Self::LpSpRpLm,
-        Self::LpRmSmRm,
-        Self::LpSpLpRm,
-        Self::LpRmLp,
-        Self::LpRmLmRp,
-        Self::LpRmSmLmRp,
-        Self::LpRpLp,
-    ];
-
-    const fn spelling(self) -> &'static str {
-        match self {
-            Self::LpSpLp => "L+S+L+",
-            Self::LpSpRp => "L+S+R+",
-            Self::LpRmLm => "L+R-L-",
-            Self::LpRpLm => "L+R+L-",
-            Self::LpRpLmRm => "L+R+L-R-",
-            Self::LpRmSmLm => "L+R-S-L-",
-            Self::LpSpRpLm => "L+S+R+L-",
-            Self::LpRmSmRm => "L+R-S-R-",
-            Self::LpSpLpRm => "L+S+L+R-",
-            Self::LpRmLp => "L+R-L+",
-            Self::LpRmLmRp => "L+R-L-R+",
-            Self::LpRmSmLmRp => "L+R-S-L-R+",
-            Self::LpRpLp => "L+R+L+",
-        }
-    }
-
     pub const fn len(self) -> usize {
-        self.spelling().len() / 2
+        self.name().len() / 2
     }
 
     /// The letters, and meaningless ones after the last.
     const fn read_letters(self) -> [Letter; MAX_LETTERS] {
-        let spelling = self.spelling().as_bytes();
+        let spelling = self.name().as_bytes();
         let mut letters = [Letter { steering: Steering::Straight, gear: Gear::Forward }; MAX_LETTERS];
         let mut index = 0;
         while index < self.len() {

@@ -358,12 +358,11 @@ impl OpenJournal {
             let change = format!("it has {found} bytes, expected {} as when this process began", home.end);
             return Err(JournalError::Changed { path: home.path, change }.into());
         }
-        let unreadable = |source| JournalError::unreadable(&self.path, source);
         // What the journal has already is the beginning of the copy.
-        self.file.seek(SeekFrom::Start(home.end)).map_err(unreadable)?;
+        self.file.seek(SeekFrom::Start(home.end)).map_err(|source| JournalError::unreadable(&self.path, source))?;
         let mut part = vec![0; BROUGHT_BYTES];
         loop {
-            let bytes = self.file.read(&mut part).map_err(unreadable)?;
+            let bytes = self.file.read(&mut part).map_err(|source| JournalError::unreadable(&self.path, source))?;
             if bytes == 0 {
                 break;
             }
@@ -386,9 +385,8 @@ impl OpenJournal {
     /// Refuses a journal that was removed, replaced or changed: lines written to it would be lost without a word. A second
     /// process that writes to it is found by this, too.
     fn expect_unchanged(&mut self) -> Result<(), JournalError> {
-        let unreadable = |source| JournalError::unreadable(&self.path, source);
         let changed = |change: String| Err(JournalError::Changed { path: self.path.clone(), change });
-        let metadata = self.file.metadata().map_err(unreadable)?;
+        let metadata = self.file.metadata().map_err(|source| JournalError::unreadable(&self.path, source))?;
         match fs::metadata(&self.path) {
             // A journal that was replaced while it was open would lose all lines written since.
             Ok(found) if !is_same_file(&metadata, &found) => return changed("another file has its name".into()),
@@ -396,7 +394,7 @@ impl OpenJournal {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 return changed("it, or its folder, was removed or renamed".into());
             }
-            Err(error) => return Err(unreadable(error)),
+            Err(error) => return Err(JournalError::unreadable(&self.path, error)),
         }
         let expected = self.index.end();
         match metadata.len() {
@@ -449,8 +447,7 @@ fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
 
 /// Opens a journal for reading, and refuses one that a process is writing. The lock lasts as long as the file is open.
 pub fn open_to_read(path: &Path, lock: Lock) -> Result<File, JournalError> {
-    let unreadable = |source| JournalError::unreadable(path, source);
-    let file = File::open(path).map_err(unreadable)?;
+    let file = File::open(path).map_err(|source| JournalError::unreadable(path, source))?;
     if lock == Lock::Flock {
         lock_by_system(path, file.try_lock_shared())?;
     }

@@ -155,6 +155,9 @@ mod tests {
         assert_eq!(["lattice", "prm-rs"].map(|name| rules.points_of_baseline(name)), [10.0, 20.0]);
         let baseline_points = BTreeMap::from([("hybrid-astar".to_owned(), 20.0)]);
         let refused = GradingRules { baseline_points, ..rules }.check().expect_err("it is no baseline");
-        assert_eq!((refused.key, refused.message.as_str()), ("baseline_points", "`hybrid-astar` is none of the baselines"));
+        assert_eq!(
+            (refused.key, refused.message.as_str()),
+            ("baseline_points", "`hybrid-astar` is none of the baselines")
+        );
     }
 }

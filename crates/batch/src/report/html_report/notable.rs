@@ -33,12 +33,11 @@ const RANKS: [&str; 3] = ["best", "worst", "median"];
 
 /// Returns the notable runs that have pages.
 pub fn runs_with_pages(batch: &FinishedBatch) -> Result<Vec<NotableRun>, ReportError> {
-    let has_page = |word: &str| batch.folder().join(page_of(word)).is_file();
-    if !RANKS.into_iter().any(has_page) {
+    if !RANKS.into_iter().any(|word: &str| batch.folder().join(page_of(word)).is_file()) {
         return Ok(Vec::new());
     }
     let runs = notable_runs(batch)?;
-    Ok(runs.into_iter().filter(|run| has_page(run.word)).collect())
+    Ok(runs.into_iter().filter(|run| batch.folder().join(page_of(run.word)).is_file()).collect())
 }
 
 /// Returns the finished runs with the fewest and the most burned bushes, and the median; ties go to the first. A run

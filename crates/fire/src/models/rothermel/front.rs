@@ -7,7 +7,7 @@ use super::directions::DirectionSet;
 use super::queue::{ArrivalQueue, NEVER};
 use super::rates::{BARRIER, Pair, Rates, Spreading, length_on, vector};
 use super::rules::RothermelRules;
-use super::template::{Edge, Template};
+use super::template::{Edge, EdgeSet, Template};
 use crate::surface::crown::FireType;
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame};
@@ -357,14 +357,12 @@ impl Front {
         if is_source {
             self.spread_exactly_from(index, now);
         }
-        // On a plane the times along all ways are in a table, which relief cannot have.
-        if self.rates.is_plane() {
-            self.spread_on_plane_from(index, now);
-        } else if !self.lengths.is_empty() {
-            self.spread_in_smooth_wind_from(index, now);
-        } else {
-            self.spread_on_relief_from(index, now);
-        }
+        let Self { cells, rates, template, lengths, interval, queue, .. } = self;
+        let is_plane = rates.is_plane();
+        let here = (!is_plane && !lengths.is_empty()).then(|| spreading(rates, cells, interval.number, index));
+        let set = template.set(interval.number);
+        let mut walk = SpreadWalk { cells, rates, template, set, lengths, interval, queue, from: index, now, here };
+        if is_plane { walk.spread::<true>() } else { walk.spread::<false>() }
     }
 
     /// Takes in that a cell was put out, for good or with `reignition`.
@@ -440,224 +438,6 @@ impl Front {
             if cells.crossing_of_any(from, way, cells.fuel[to]) == Crossing::Uniform {
                 let time = arrival_along(rates, cells, from, way, now);
                 offer(cells, queue, to, time, number);
-            }
-        }
-    }
-
-    /// Offers times to all neighbours of a cell that has just caught fire, on a plane and far from delays.
-    fn spread_on_plane_from(&mut self, from: usize, now: u64) {
-        let Self { cells, rates, template, interval, queue, .. } = self;
-        let set = template.set(interval.number);
-        let count = set.ways.len();
-        for (place, number) in set.numbers().enumerate() {
-            let way = &template.ways[number];
-            let to = from.wrapping_add_signed(way.end);
-            let fuel = cells.fuel[to];
-            // Most of what a front looks at lies behind it.
-            if fuel == BARRIER || cells.has_burned(to) {
-                continue;
-            }
-            let crossing = cells.crossing(from, way, fuel);
-            let seconds = match crossing {
-                Crossing::Blocked => continue,
-                Crossing::Uniform => interval.tables[usize::from(fuel)].along[number].0,
-                Crossing::Mixed => way
-                    .crossed()
-                    .iter()
-                    .map(|&(crossed, part)| {
-                        let fuel = cells.fuel[from.wrapping_add_signed(crossed)];
-                        part * interval.tables[usize::from(fuel)].along[number].0
-                    })
-                    .sum(),
-            };
-            // Saturating: what burns too slowly arrives never, not in the past.
-            let mut time = now.saturating_add(nanos(seconds));
-            // In another weather: then it is not before this interval ends.
-            if time > interval.until && cells.time[to] > interval.until {
-                time = arrival_along(rates, cells, from, way, now);
-            }
-            offer(cells, queue, to, time, number);
-            if crossing != Crossing::Uniform {
-                continue;
-            }
-            let table = &interval.tables[usize::from(fuel)];
-            // A comparison is cheaper here than a division, which the remainder would take.
-            let before = if place == 0 { count - 1 } else { place - 1 };
-            let after = if place + 1 == count { 0 } else { place + 1 };
-            // Each way bounds two gaps: those to the ways on both sides of it.
-            for (first_place, other_place) in [(before, before), (place, after)] {
-                let other = usize::from(set.ways[other_place]);
-                let other_way = &template.ways[other];
-                let beside = to.wrapping_add_signed(-other_way.end);
-                // The later of two that burn makes the pair, so each is tried once both burn.
-                if !cells.has_burned(beside) {
-                    continue;
-                }
-                let current = EdgeStart { index: from, way: number };
-                let other = EdgeStart { index: beside, way: other };
-                let [first, second] = if first_place == place { [current, other] } else { [other, current] };
-                let first_time = cells.time[first.index];
-                let second_time = cells.time[second.index];
-                let first_drift = table.along[first.way].1;
-                let later = seconds_between(first_time, second_time) - (table.along[second.way].1 - first_drift);
-                let pair = &set.pairs[first_place];
-                // The front would come from beyond one of the ends, whose own way has it already.
-                if !pair.is_between(table.slowness, later) {
-                    continue;
-                }
-                let after_first = pair.seconds(table.slowness, later) - first_drift;
-                // Never before now, which rounding could make it.
-                let mut time = first_time.saturating_add(nanos(after_first)).max(now);
-                let is_in_interval = cells.time[beside] >= interval.from && time <= interval.until;
-                // What does not improve the plan needs no look at the ground of the other way.
-                if is_in_interval && time >= cells.time[to] {
-                    continue;
-                }
-                if cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
-                    continue;
-                }
-                // The closed form holds in one weather only.
-                if !is_in_interval {
-                    let Some(two_point) = two_point_arrival(rates, cells, template, to, [first, second]) else {
-                        continue;
-                    };
-                    time = two_point;
-                }
-                offer(cells, queue, to, time, number);
-            }
-        }
-    }
-
-    /// Offers times to all neighbours of a cell that has just caught fire, where only the wind differs from place to place, and
-    /// far from delays: what [`arrival_along`] and [`two_point_arrival`] say, without looking at any cell twice.
-    fn spread_in_smooth_wind_from(&mut self, from: usize, now: u64) {
-        let Self { cells, rates, template, lengths, interval, queue, .. } = self;
-        let set = template.set(interval.number);
-        let count = set.ways.len();
-        // Looked up once, as all ways from here begin with it.
-        let here = spreading(rates, cells, interval.number, from);
-        for (place, number) in set.numbers().enumerate() {
-            let way = &template.ways[number];
-            let to = from.wrapping_add_signed(way.end);
-            let fuel = cells.fuel[to];
-            if fuel == BARRIER || cells.has_burned(to) {
-                continue;
-            }
-            let crossing = cells.crossing(from, way, fuel);
-            if crossing == Crossing::Blocked {
-                continue;
-            }
-            let there = spreading(rates, cells, interval.number, to);
-            let v = template.vectors[number];
-            // As in `way_seconds`: the mean of both ends stands for a short way over one fuel.
-            let is_smooth = is_short(way) && crossing == Crossing::Uniform;
-            let along = there.seconds_over(lengths[number], v);
-            // Used below only where `is_smooth` has set it.
-            let mut seconds = f64::NAN;
-            let mut time = NEVER;
-            if is_smooth {
-                seconds = 0.5 * (here.seconds_over(lengths[number], v) + along);
-                time = now.saturating_add(nanos(seconds));
-            }
-            // Longer ways, and those into another weather, are summed piece by piece.
-            if !is_smooth || time > interval.until && cells.time[to] > interval.until {
-                time = arrival_along(rates, cells, from, way, now);
-            }
-            offer(cells, queue, to, time, number);
-            // The difference of infinite times would be NaN below.
-            if crossing != Crossing::Uniform || there.slowness == f64::INFINITY {
-                continue;
-            }
-            let before = if place == 0 { count - 1 } else { place - 1 };
-            let after = if place + 1 == count { 0 } else { place + 1 };
-            for (first_place, other_place) in [(before, before), (place, after)] {
-                let other_number = usize::from(set.ways[other_place]);
-                let other_way = &template.ways[other_number];
-                let beside = to.wrapping_add_signed(-other_way.end);
-                if !cells.has_burned(beside) {
-                    continue;
-                }
-                let current = EdgeStart { index: from, way: number };
-                let other = EdgeStart { index: beside, way: other_number };
-                let ends = if first_place == place { [current, other] } else { [other, current] };
-                // Where one of both ways is long, `two_point_arrival` follows them piece by piece.
-                let mut is_in_interval = is_smooth && is_short(other_way);
-                let mut two_point = NEVER;
-                if is_in_interval {
-                    let other_v = template.vectors[other_number];
-                    let other_along = there.seconds_over(lengths[other_number], other_v);
-                    let other_here = spreading(rates, cells, interval.number, beside);
-                    let other_seconds = 0.5 * (other_here.seconds_over(lengths[other_number], other_v) + other_along);
-                    // As in `two_point_arrival`: seconds beyond the ellipse of `to`, and those of the drift.
-                    let of_current = (seconds - along, there.drift_seconds(v));
-                    let of_other = (other_seconds - other_along, there.drift_seconds(other_v));
-                    let [first, second] =
-                        if first_place == place { [of_current, of_other] } else { [of_other, of_current] };
-                    let [first_time, second_time] = ends.map(|end| cells.time[end.index]);
-                    // In two steps, so that rounding is the same as there.
-                    let mut later = seconds_between(first_time, second_time) - (second.1 - first.1);
-                    later += second.0 - first.0;
-                    let pair = &set.pairs[first_place];
-                    if !pair.is_between(there.slowness, later) {
-                        continue;
-                    }
-                    let mut after_first = pair.seconds(there.slowness, later) - first.1;
-                    after_first += first.0;
-                    two_point = first_time.saturating_add(nanos(after_first)).max(now);
-                    is_in_interval = cells.time[beside] >= interval.from && two_point <= interval.until;
-                    // What does not improve the plan needs no look at the ground of the other way.
-                    if is_in_interval && two_point >= cells.time[to] {
-                        continue;
-                    }
-                }
-                if cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
-                    continue;
-                }
-                if !is_in_interval {
-                    let Some(time) = two_point_arrival(rates, cells, template, to, ends) else { continue };
-                    two_point = time;
-                }
-                offer(cells, queue, to, two_point, number);
-            }
-        }
-    }
-
-    /// Offers times to all neighbours of a cell that has just caught fire, where slopes differ, and far from delays.
-    fn spread_on_relief_from(&mut self, from: usize, now: u64) {
-        let Self { cells, rates, template, interval, queue, .. } = self;
-        let set = template.set(interval.number);
-        let count = set.ways.len();
-        for (place, number) in set.numbers().enumerate() {
-            let way = &template.ways[number];
-            let to = from.wrapping_add_signed(way.end);
-            let fuel = cells.fuel[to];
-            if fuel == BARRIER || cells.has_burned(to) {
-                continue;
-            }
-            let crossing = cells.crossing(from, way, fuel);
-            // Before the time along it, which on relief sums the ellipses of all cells crossed.
-            if crossing == Crossing::Blocked {
-                continue;
-            }
-            let time = arrival_along(rates, cells, from, way, now);
-            offer(cells, queue, to, time, number);
-            if crossing != Crossing::Uniform {
-                continue;
-            }
-            let current = EdgeStart { index: from, way: number };
-            for (other_place, is_first) in [((place + count - 1) % count, true), ((place + 1) % count, false)] {
-                let other = usize::from(set.ways[other_place]);
-                let other_way = &template.ways[other];
-                let beside = EdgeStart { index: to.wrapping_add_signed(-other_way.end), way: other };
-                let is_uniform = cells.has_burned(beside.index)
-                    && cells.crossing(beside.index, other_way, fuel) == Crossing::Uniform;
-                if is_uniform {
-                    // Counter-clockwise, as `two_point_arrival` expects them.
-                    let ends = if is_first { [beside, current] } else { [current, beside] };
-                    if let Some(time) = two_point_arrival(rates, cells, template, to, ends) {
-                        offer(cells, queue, to, time, number);
-                    }
-                }
             }
         }
     }
@@ -752,6 +532,214 @@ impl Front {
     }
 }
 
+/// A walk over the ways from a cell that has just caught fire, far from delays.
+struct SpreadWalk<'a> {
+    cells: &'a mut Cells,
+    rates: &'a mut Rates,
+    template: &'a Template,
+    set: &'a EdgeSet,
+    lengths: &'a [f64],
+    interval: &'a WeatherSpan,
+    queue: &'a mut ArrivalQueue,
+    from: usize,
+    now: u64,
+    /// The spreading at the cell, where only the wind differs from place to place.
+    here: Option<Spreading>,
+}
+
+/// A way of the walk, over whatever it leads.
+#[derive(Clone, Copy)]
+struct SpreadStep<'a> {
+    number: usize,
+    way: &'a Edge,
+    to: usize,
+    crossing: Crossing,
+}
+
+/// A way whose wind is taken from its two ends.
+#[derive(Clone, Copy)]
+struct SmoothStep {
+    seconds: f64,
+    there: Spreading,
+}
+
+impl SpreadWalk<'_> {
+    /// Offers times to all neighbours of the cell: what [`arrival_along`] and [`two_point_arrival`] say, with less work where
+    /// there is a table of all ways, or where no cell need be looked at twice.
+    fn spread<const ON_PLANE: bool>(&mut self) {
+        let Self { template, set, from, .. } = *self;
+        let count = set.ways.len();
+        for (place, number) in set.numbers().enumerate() {
+            let way = &template.ways[number];
+            let to = from.wrapping_add_signed(way.end);
+            let fuel = self.cells.fuel[to];
+            // Most of what a front looks at lies behind it.
+            if fuel == BARRIER || self.cells.has_burned(to) {
+                continue;
+            }
+            // Before the time along it, which on relief sums the ellipses of all cells crossed.
+            let crossing = self.cells.crossing(from, way, fuel);
+            if crossing == Crossing::Blocked {
+                continue;
+            }
+            let step = SpreadStep { number, way, to, crossing };
+            let smooth = if ON_PLANE { None } else { self.smooth_step(step) };
+            let seconds =
+                if ON_PLANE { Some(self.seconds_on_plane(step)) } else { smooth.map(|smooth| smooth.seconds) };
+            let time = self.arrival(step, seconds);
+            offer(self.cells, self.queue, to, time, number);
+            if crossing != Crossing::Uniform {
+                continue;
+            }
+            // A comparison is cheaper here than a division, which the remainder would take.
+            let before = if place == 0 { count - 1 } else { place - 1 };
+            let after = if place + 1 == count { 0 } else { place + 1 };
+            // Each way bounds two gaps: those to the ways on both sides of it.
+            for (first_place, other_place) in [(before, before), (place, after)] {
+                let other = usize::from(set.ways[other_place]);
+                let other_way = &template.ways[other];
+                let beside = to.wrapping_add_signed(-other_way.end);
+                // The later of two that burn makes the pair, so each is tried once both burn.
+                if !self.cells.has_burned(beside) {
+                    continue;
+                }
+                let starts = [EdgeStart { index: from, way: number }, EdgeStart { index: beside, way: other }];
+                let starts = if first_place == place { starts } else { [starts[1], starts[0]] };
+                let burned = if ON_PLANE {
+                    Some(self.burned_on_plane(fuel, starts))
+                } else {
+                    smooth.filter(|_| is_short(other_way)).map(|smooth| self.burned_in_smooth_wind(smooth, starts))
+                };
+                let mut two_point = None;
+                if let Some(burned) = burned {
+                    let Some(found) = burned.first_between(&set.pairs[first_place]) else { continue };
+                    // Never before now, which rounding could make it.
+                    let time = found.time.max(self.now);
+                    // The closed form holds in one weather only.
+                    if self.cells.time[beside] >= self.interval.from && time <= self.interval.until {
+                        // What does not improve the plan needs no look at the ground of the other way.
+                        if time >= self.cells.time[to] {
+                            continue;
+                        }
+                        two_point = Some(time);
+                    }
+                }
+                if self.cells.crossing(beside, other_way, fuel) != Crossing::Uniform {
+                    continue;
+                }
+                let exact = || two_point_arrival(self.rates, self.cells, template, to, starts);
+                if let Some(time) = two_point.or_else(exact) {
+                    offer(self.cells, self.queue, to, time, number);
+                }
+            }
+        }
+    }
+
+    /// Returns the seconds of a way in the weather of the walk, from the table.
+    #[inline]
+    fn seconds_on_plane(&self, SpreadStep { number, way, to, crossing }: SpreadStep<'_>) -> f64 {
+        let seconds = |index: usize| self.interval.tables[usize::from(self.cells.fuel[index])].along[number].0;
+        if crossing == Crossing::Uniform {
+            return seconds(to);
+        }
+        way.crossed().iter().map(|&(place, part)| part * seconds(self.from.wrapping_add_signed(place))).sum()
+    }
+
+    /// Returns the same for a way whose wind is taken from its two ends.
+    #[inline]
+    fn smooth_step(&mut self, SpreadStep { number, way, to, crossing }: SpreadStep<'_>) -> Option<SmoothStep> {
+        let here = self.here.filter(|_| is_short(way) && crossing == Crossing::Uniform)?;
+        let there = spreading(self.rates, self.cells, self.interval.number, to);
+        let length = self.lengths[number];
+        let v = self.template.vectors[number];
+        Some(SmoothStep { seconds: 0.5 * (here.seconds_over(length, v) + there.seconds_over(length, v)), there })
+    }
+
+    /// Returns when fire arrives along a way that takes this long in the weather of the walk.
+    #[inline]
+    fn arrival(&mut self, step: SpreadStep<'_>, seconds: Option<f64>) -> u64 {
+        let until = self.interval.until;
+        // Saturating: what burns too slowly arrives never, not in the past.
+        let time = seconds.map(|seconds| self.now.saturating_add(nanos(seconds)));
+        // In another weather: then it is not before this interval ends.
+        let in_interval = time.filter(|&time| time <= until || self.cells.time[step.to] <= until);
+        in_interval.unwrap_or_else(|| arrival_along(self.rates, self.cells, self.from, step.way, self.now))
+    }
+
+    /// Returns two burned cells on a plane, with ways over a fuel.
+    #[inline]
+    fn burned_on_plane(&self, fuel: u8, starts: [EdgeStart; 2]) -> BurnedPair {
+        let FuelTable { slowness, along } = &self.interval.tables[usize::from(fuel)];
+        let ends = starts.map(|start| BurnedEnd {
+            ignited: self.cells.time[start.index],
+            drift_s: along[start.way].1,
+            // All cells that are crossed have the same ellipse.
+            beyond_s: 0.0,
+        });
+        BurnedPair { slowness: *slowness, ends }
+    }
+
+    /// Returns two burned cells from which short ways lead, one of them that of the walk.
+    #[inline]
+    fn burned_in_smooth_wind(
+        &mut self,
+        SmoothStep { seconds, there }: SmoothStep,
+        starts: [EdgeStart; 2],
+    ) -> BurnedPair {
+        let ends = starts.map(|EdgeStart { index, way }| {
+            let length = self.lengths[way];
+            let v = self.template.vectors[way];
+            let along = there.seconds_over(length, v);
+            let seconds = if index == self.from {
+                seconds
+            } else {
+                let at_start = spreading(self.rates, self.cells, self.interval.number, index);
+                0.5 * (at_start.seconds_over(length, v) + along)
+            };
+            BurnedEnd { ignited: self.cells.time[index], drift_s: there.drift_seconds(v), beyond_s: seconds - along }
+        });
+        BurnedPair { slowness: there.slowness, ends }
+    }
+}
+
+/// Two burned cells from which ways lead to a third one, in one weather.
+struct BurnedPair {
+    /// Of that cell.
+    slowness: f64,
+    ends: [BurnedEnd; 2],
+}
+
+#[derive(Clone, Copy)]
+struct BurnedEnd {
+    ignited: u64,
+    /// Seconds that the drift takes off its way.
+    drift_s: f64,
+    /// Seconds of its way beyond those of the ellipse of the cell that both ways lead to.
+    beyond_s: f64,
+}
+
+/// The first fire from between two burned cells: when it comes, and the seconds by which the second counts as the later one.
+struct FoundBetween {
+    time: u64,
+    later_s: f64,
+}
+
+impl BurnedPair {
+    /// Returns the first fire from between them; `None` where it would come from beyond one of them, whose own way has it
+    /// already.
+    #[inline]
+    fn first_between(self, pair: &Pair) -> Option<FoundBetween> {
+        let Self { slowness, ends: [first, second] } = self;
+        // Without the drift, which is linear along the line between the ends, the front is a circle's tangent.
+        let mut later_s = seconds_between(first.ignited, second.ignited) - (second.drift_s - first.drift_s);
+        later_s += second.beyond_s - first.beyond_s;
+        pair.is_between(slowness, later_s).then(|| {
+            let after_first = pair.seconds(slowness, later_s) - first.drift_s + first.beyond_s;
+            FoundBetween { time: first.ignited.saturating_add(nanos(after_first)), later_s }
+        })
+    }
+}
+
 /// Makes it the plan of a cell if it comes before its plan so far.
 #[inline]
 fn offer(cells: &mut Cells, queue: &mut ArrivalQueue, index: usize, time: u64, way: usize) {
@@ -791,35 +779,28 @@ fn two_point_arrival(
             if is_plane { 0.0 } else { way_seconds(rates, cells, number, from, way) - here.seconds(v) }
         })
     };
-    let [first_beyond, second_beyond] = beyond(rates, number);
-    let first_drift = here.drift_seconds(ways[0].2);
-    let second_drift = here.drift_seconds(ways[1].2);
-    // Without the drift, which is linear along the line between the ends, the front is a circle's tangent.
-    let mut later = seconds_between(first_time, second_time) - (second_drift - first_drift);
-    if !is_plane {
-        later += second_beyond - first_beyond;
-    }
+    let ignited = [first_time, second_time];
+    let beyond_s = beyond(rates, number);
+    let burned = [0, 1].map(|end| BurnedEnd {
+        ignited: ignited[end],
+        drift_s: here.drift_seconds(ways[end].2),
+        beyond_s: beyond_s[end],
+    });
     let pair = if has_pairs {
         let set = template.set(number);
         set.pairs[set.place(first.way).expect("the ways are neighbours in this interval")]
     } else {
         Pair::new(here.gradient, ways[0].2, ways[1].2)
     };
-    if !pair.is_between(here.slowness, later) {
-        return None;
-    }
-    let mut after_first = pair.seconds(here.slowness, later) - first_drift;
-    if !is_plane {
-        after_first += first_beyond;
-    }
-    let time = first_time.saturating_add(nanos(after_first)).max(latest);
+    let FoundBetween { time, later_s } = BurnedPair { slowness: here.slowness, ends: burned }.first_between(&pair)?;
+    let time = time.max(latest);
     let (from, until) = span(rates, number);
     // All of it in one weather: the closed form is exact.
     if first_time.min(second_time) >= from && time <= until {
         return Some(time);
     }
     // Part of it is in another weather: along the straight line from the point that this weather gives.
-    let part = pair.part(here.slowness, later);
+    let part = pair.part(here.slowness, later_s);
     let v = ways[0].2 + part * (ways[1].2 - ways[0].2);
     let start = first_time as f64 + part * (second_time as f64 - first_time as f64);
     let time = progress(rates, start as u64, |rates, number| {

@@ -41,7 +41,7 @@ pub use rules::{Neighbours, RothermelRules};
 use std::sync::Arc;
 
 use crate::surface::crown::FireType;
-use crate::{Arrival, FireChange, FireEvent, FireField, FireModel, Landscape, Spread, SpreadBy, Weather};
+use crate::{Arrival, FireChange, FireEvent, FireEvents, FireField, FireModel, Landscape, Spread, SpreadBy, Weather};
 use front::Front;
 use sparks::Sparks;
 use wildfire_base::geometry::Cell;
@@ -119,7 +119,7 @@ impl Rothermel {
         }
     }
 
-    fn announce(&mut self, expected: &mut Vec<(SimTime, FireEvent)>) {
+    fn announce(&mut self, expected: &mut FireEvents) {
         let Some((time, cell)) = self.next() else { return };
         // An arrival that comes too early finds nothing due and announces the next, so only an earlier one is news.
         if self.announced.is_none_or(|announced| time < announced) {
@@ -137,13 +137,7 @@ impl FireModel for Rothermel {
         }
     }
 
-    fn follow(
-        &mut self,
-        fires: &FireField,
-        now: SimTime,
-        change: FireChange,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) {
+    fn follow(&mut self, fires: &FireField, now: SimTime, change: FireChange, expected: &mut FireEvents) {
         self.apply(fires, now, change);
         match change {
             FireChange::Ignited { cell, .. } => {
@@ -160,13 +154,7 @@ impl FireModel for Rothermel {
         self.announce(expected);
     }
 
-    fn arrive(
-        &mut self,
-        _fires: &FireField,
-        now: SimTime,
-        arrival: Arrival,
-        expected: &mut Vec<(SimTime, FireEvent)>,
-    ) -> Vec<Spread> {
+    fn arrive(&mut self, _fires: &FireField, now: SimTime, arrival: Arrival, expected: &mut FireEvents) -> Vec<Spread> {
         let mut spreads = Vec::new();
         // What was announced before the last change is out of date.
         if arrival.revision == self.revision {

@@ -9,7 +9,7 @@ use super::directions::{DirectionSet, sampled_cells};
 use super::rules::RothermelRules;
 use super::template::Edge;
 use crate::fuel::FuelModel;
-use crate::surface::crown::{CrownConditions, CrownFire, model_10};
+use crate::surface::crown::{CrownConditions, CrownFire, GroundFuel, model_10};
 use crate::surface::{Ellipse, FuelBed, SurfaceFire, twenty_foot_wind, unsheltered_adjustment};
 use crate::{Landscape, Relief, Weather};
 use wildfire_base::geometry::{Cell, DVec2};
@@ -210,7 +210,8 @@ impl Rates {
         let options = self.rules.options;
         let gradient = self.landscape.gradient(cell);
         let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
-        let ground = (self.beds(interval)[usize::from(fuel)], self.models[usize::from(fuel)].depth_ft);
+        let bed = self.beds(interval)[usize::from(fuel)];
+        let ground = GroundFuel { bed, depth_ft: self.models[usize::from(fuel)].depth_ft };
         let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
         let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
         // Under wind by place it is another one in the next cell.

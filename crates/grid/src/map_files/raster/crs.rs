@@ -204,20 +204,24 @@ fn of_arc_info(upper: &str) -> SpatialReference {
             .filter(|tokens| tokens.first() == Some(&key))
             .find_map(|tokens| tokens.get(1).map(|word| (*word).to_owned()))
     };
-    let unit_m = |word: &str| match word {
-        "METERS" | "METRES" | "1.0" => Some(1.0),
-        "FEET" | "US_FEET" | "SURVEY_FEET" => Some(US_SURVEY_FOOT_M),
-        "INT_FEET" => Some(FOOT_M),
-        other => other.parse().ok(),
-    };
     let units = value("UNITS").unwrap_or_default();
     let coordinates = match value("PROJECTION").unwrap_or_default().as_str() {
         "GEOGRAPHIC" => Some(Coordinates::Degrees),
         "MERCATOR" | "EQUIRECTANGULAR" => Some(Coordinates::Unusable),
         _ if units == "DD" => Some(Coordinates::Degrees),
-        _ => unit_m(&units).map(|unit_m| Coordinates::Lengths { unit_m }),
+        _ => unit_of_word(&units).map(|unit_m| Coordinates::Lengths { unit_m }),
     };
-    SpatialReference { coordinates, height_unit_m: value("ZUNITS").and_then(|word| unit_m(&word)) }
+    SpatialReference { coordinates, height_unit_m: value("ZUNITS").and_then(|word| unit_of_word(&word)) }
+}
+
+/// Returns the metres of a unit of length in a file of a projection.
+fn unit_of_word(word: &str) -> Option<f64> {
+    match word {
+        "METERS" | "METRES" | "1.0" => Some(1.0),
+        "FEET" | "US_FEET" | "SURVEY_FEET" => Some(US_SURVEY_FOOT_M),
+        "INT_FEET" => Some(FOOT_M),
+        other => other.parse().ok(),
+    }
 }
 
 impl GeoKeys {

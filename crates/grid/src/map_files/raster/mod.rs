@@ -197,8 +197,8 @@ pub fn write_geotiff_bands(path: &Path, bands: &[(&str, &Raster)]) -> io::Result
 
 /// Accepts the size that a header declares.
 fn check_size(rows: u64, cols: u64) -> Result<(), RasterFault> {
-    let side_fits = |side| (1..=MAX_RASTER_SIDE as u64).contains(&side);
-    let fits = side_fits(rows) && side_fits(cols) && rows * cols <= MAX_RASTER_CELLS as u64;
+    let sides_fit = [rows, cols].iter().all(|side| (1..=MAX_RASTER_SIDE as u64).contains(side));
+    let fits = sides_fit && rows * cols <= MAX_RASTER_CELLS as u64;
     if fits { Ok(()) } else { Err(RasterFault::Size { rows, cols }) }
 }
 
@@ -224,8 +224,7 @@ fn check_place(
     if !(cell_m > 0.0 && cell_m <= 1e9) {
         return Err(RasterFault::CellSize { found: cell_m });
     }
-    let is_place = |m: f64| m.is_finite() && m.abs() <= 1e12;
-    if !(is_place(west_m) && is_place(south_m)) {
+    if !corner.iter().all(|m| m.is_finite() && m.abs() <= 1e12) {
         return Err(RasterFault::Place { west_m, south_m });
     }
     let size_m = size.map(|cells| cells as f64 * cell_m);

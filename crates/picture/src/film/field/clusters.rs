@@ -121,13 +121,16 @@ pub fn draw_glow(canvas: &mut Canvas, at: Point, radius: f32, core: Rgb) {
 }
 
 fn mean_colour(kinds: &[BushStateKind]) -> Rgb {
-    let weight = |kind: BushStateKind| if kind == BushStateKind::Burning { BURNING_COUNTS } else { 1 };
     let all: u32 = kinds.iter().map(|&kind| weight(kind)).sum();
     let channel = |channel: usize| {
         let sum: u32 = kinds.iter().map(|&kind| weight(kind) * u32::from(bush_colour(kind)[channel])).sum();
         (sum / all) as u8
     };
     std::array::from_fn(channel)
+}
+
+fn weight(kind: BushStateKind) -> u32 {
+    if kind == BushStateKind::Burning { BURNING_COUNTS } else { 1 }
 }
 
 #[cfg(test)]

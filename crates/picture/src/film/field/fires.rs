@@ -109,13 +109,13 @@ fn draw_spread(canvas: &mut Canvas, pane: &Pane, spread: &SpreadMoment, share: f
     let left = 1.0 - share;
     let radius = pane.projection.length(radius_m(pane, spread));
     let unit = pane.unit();
-    let ink = |colour: Rgb, opacity: f32| Ink { colour, opacity };
     for (behind, width) in [(0.85, 0.5 * RING_WIDTH * unit), (1.0, RING_WIDTH * unit)] {
         let radius = behind * radius * (1.0 - left * left);
-        canvas.ring(centre, radius, &Pen { ink: ink(BURNING, left), width });
+        canvas.ring(centre, radius, &Pen { ink: Ink { colour: BURNING, opacity: left }, width });
     }
     for &cell in &spread.caught {
-        draw_line(canvas, centre, pane.cell_centre(cell), 1.6 * unit, ink(SPREAD_LINE, 0.8 * left));
+        let ink = Ink { colour: SPREAD_LINE, opacity: 0.8 * left };
+        draw_line(canvas, centre, pane.cell_centre(cell), 1.6 * unit, ink);
     }
 }
 

@@ -113,8 +113,8 @@ impl GroundView {
             _ => None,
         });
         let on_bushes = timeline.events.iter().filter_map(|event| {
-            let (cell, cause) = event.fact.ignition()?;
-            Some((event.time, cell, cause))
+            let ignition = event.fact.ignition()?;
+            Some((event.time, ignition.cell, ignition.cause))
         });
         for (time, cell, cause) in on_ground.chain(on_bushes) {
             if let Cause::Spotted(from) = cause {
@@ -365,15 +365,13 @@ fn opaque([red, green, blue]: Rgb) -> [u8; 4] {
 /// Calls `paint` for every pixel of the field with the index of the cell in its middle.
 fn each_pixel(canvas: &mut Canvas, pane: &Pane, mut paint: impl FnMut(usize, &mut [u8; 4])) {
     let frame = pane.frame();
-    let (from, to) = pane.field_box();
-    let within = |first: i32, last: i32, side: u32| first.max(0) as u32..(last.max(0) as u32).min(side);
+    let (columns, rows) = pane.field_pixels();
     let middle = |x: u32, y: u32| pane.projection.world((f64::from(x) + 0.5, f64::from(y) + 0.5));
     // The index is clamped, as the middle of the last pixel may lie on the border through rounding.
     let place = |at_m: f64, count: u16| ((at_m / frame.cell_m) as usize).min(usize::from(count) - 1);
-    let columns = within(from.0, to.0, pane.size.0);
     // Columns are computed once and not for each row, as no pixel's column depends on its row.
     let cols: Vec<usize> = columns.clone().map(|x| place(middle(x, 0).x, frame.cols)).collect();
-    for y in within(from.1, to.1, pane.size.1) {
+    for y in rows {
         let first = place(middle(0, y).y, frame.rows) * usize::from(frame.cols);
         let pixels = canvas.row_from(columns.start as usize, y as usize);
         for (&col, pixel) in cols.iter().zip(pixels) {

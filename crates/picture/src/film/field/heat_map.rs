@@ -46,10 +46,6 @@ impl<'a> HeatMap<'a> {
             |col: u16, row: u16| pane.projection.place(DVec2::new(f64::from(col), f64::from(row)) * frame.cell_m);
         let columns: Vec<i32> = (0..=frame.cols).map(|col| in_parts(place(col, 0).x, width)).collect();
         let rows: Vec<i32> = (0..=frame.rows).map(|row| in_parts(place(0, row).y, height)).collect();
-        let pixels = |from: i32, to: i32, side: u32| {
-            let end = pixel_of(to + PARTS - 1).min(side as usize);
-            pixel_of(from).min(end)..end
-        };
         let across = pixels(columns[0], columns[columns.len() - 1], width);
         let down = pixels(rows[rows.len() - 1], rows[0], height);
         Self { bushes: &pane.setting().bushes, columns, rows, across, down }
@@ -111,6 +107,12 @@ impl<'a> HeatMap<'a> {
     }
 }
 
+/// Returns the pixels of a stretch of the map that lie within a side of the picture.
+fn pixels(from: i32, to: i32, side: u32) -> Range<usize> {
+    let end = pixel_of(to + PARTS - 1).min(side as usize);
+    pixel_of(from).min(end)..end
+}
+
 /// A place along a side of the pane in parts of a pixel; what lies beyond the pane lies just beyond it.
 fn in_parts(place: f64, side: u32) -> i32 {
     let parts = f64::from(PARTS);
@@ -157,9 +159,9 @@ pub fn draw_fire_cores(canvas: &mut Canvas, pane: &Pane, fires: &[Point]) {
 /// Draws squares of a colour about places, that many thin lines from the middle to the sides, and as large as a cell at least.
 fn draw_squares(canvas: &mut Canvas, pane: &Pane, (half, colour): (f32, Rgb), places: &[Point]) {
     let half = (half * pane.unit()).max(0.5 * pane.cell_side());
-    let place = |at: f32| at.round() as i32;
     for &(x, y) in places {
-        canvas.fill_pixels((place(x - half), place(y - half)), (place(x + half), place(y + half)), colour);
+        let [left, top, right, bottom] = [x - half, y - half, x + half, y + half].map(|at| at.round() as i32);
+        canvas.fill_pixels((left, top), (right, bottom), colour);
     }
 }
 

@@ -110,10 +110,8 @@ fn turn(pane: &Pane, id: AgentId, activity: Activity) -> u8 {
 }
 
 fn draw_label(canvas: &mut Canvas, lettering: &mut Lettering, (id, label): (AgentId, LabelBox), unit: f32) {
-    let whole = |at: f32| at.round() as i32;
-    let from = (whole(label.left), whole(label.top));
-    let to = (whole(label.right), whole(label.bottom));
-    canvas.tint_pixels(from, to, Ink { colour: PAPER, opacity: PLATE });
+    let [left, top, right, bottom] = [label.left, label.top, label.right, label.bottom].map(|at| at.round() as i32);
+    canvas.tint_pixels((left, top), (right, bottom), Ink { colour: PAPER, opacity: PLATE });
     let style = LetterStyle { height: TEXT * unit, weight: Weight::Bold, colour: agent_colour(id) };
     let at = (label.left + PADDING * unit, label.bottom - PADDING * unit);
     lettering.draw(canvas, &id.number.to_string(), at, Align::Left, style);

@@ -26,6 +26,8 @@ pub use clusters::draw_glow;
 pub use highlights::pick;
 pub use wind::compass_word;
 
+use std::ops::Range;
+
 use agents::draw_agents;
 use bushes::{MIN_SPRITE, Stamps, draw_bushes};
 use clusters::draw_glows;
@@ -323,6 +325,13 @@ impl<'a> Pane<'a> {
         (north_west, south_east)
     }
 
+    /// The columns and rows of pixels of the field that are in the pane.
+    fn field_pixels(&self) -> (Range<u32>, Range<u32>) {
+        let (from, to) = self.field_box();
+        let within = |first: i32, last: i32, side: u32| first.max(0) as u32..(last.max(0) as u32).min(side);
+        (within(from.0, to.0, self.size.0), within(from.1, to.1, self.size.1))
+    }
+
     /// Returns whether anything within `reach` pixels about a place is in the pane.
     fn is_near(&self, (x, y): Point, reach: f32) -> bool {
         let within = |at: f32, side: u32| (-reach..=side as f32 + reach).contains(&at);
@@ -374,43 +383,10 @@ pub(super) mod tests {
     use wildfire_base::time::SimTime;
     use wildfire_base::trajectory::{Piece, Trajectory};
     use wildfire_base::vehicle::{Dimensions, Segment};
-    use wildfire_fire::FireRules;
-    use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Rules, Timeline};
+    use wildfire_timeline::{AgentFact, AgentId, AgentStart, Body, Event, Fact, FireFact, Timeline, sample};
 
     pub fn setting() -> Setting {
-        let seconds = SimTime::from_seconds;
-        Setting {
-            scenario: "test".into(),
-            seed: 1,
-            program_version: "0".into(),
-            frame: FieldFrame { cols: 10, rows: 10, cell_m: 5.0 },
-            bushes: Vec::new(),
-            blocked: Vec::new(),
-            spread: None,
-            water: None,
-            ground_shares: Vec::new(),
-            line: None,
-            pieces: Vec::new(),
-            agents: Vec::new(),
-            rules: Rules {
-                duration: seconds(100.0),
-                suppression_reach_m: Some(10.0),
-                suppression_dwell: seconds(5.0),
-                extinguishes_all: Some(false),
-                fire: Some(FireRules {
-                    spread_delay: seconds(10.0),
-                    spread_radius_m: 30.0,
-                    sources_spread: true,
-                    caught_spreads: false,
-                    burn_out: Some(seconds(60.0)),
-                    reignition: false,
-                }),
-                reignition: false,
-                score_wumpus_ignited: 1.0,
-                score_wumpus_burned_out: 1.0,
-                score_truck_extinguished: 2.0,
-            },
-        }
+        Setting { scenario: "test".into(), bushes: Vec::new(), ..sample::small_setting(&[]) }
     }
 
     /// A truck that drives and suppresses, and fire that spreads, all lengths multiplied by `scale`.

@@ -5,6 +5,7 @@ use crate::colours::{Rgb, blend};
 use crate::film::field::{Layer, Pane};
 use crate::thin_line::draw_line;
 use wildfire_base::query::{SearchGraph, SearchPhase};
+use wildfire_timeline::FoundSearch;
 
 /// The style in which a layer shows searches of one phase.
 pub struct SearchStyle {
@@ -70,7 +71,7 @@ pub(super) fn shown_searches<'a>(pane: &Pane<'a>) -> Vec<ShownSearch<'a>> {
     let styles = STYLES.iter().filter(|style| pane.shows(style.layer));
     let searches = styles.flat_map(|style| {
         (0..pane.setting().agents.len()).filter_map(move |agent| {
-            let (fact, graph) = run.index().search_at(agent, style.phase, time)?;
+            let FoundSearch { fact, graph } = run.index().search_at(agent, style.phase, time)?;
             Some(ShownSearch { fact, style, graph })
         })
     });
@@ -101,6 +102,10 @@ pub(super) fn draw_searches(canvas: &mut Canvas, pane: &Pane, searches: &[ShownS
 fn may_be_seen(pane: &Pane, [a, b]: &[Point; 2]) -> bool {
     let width = pane.size.0 as f32;
     let height = pane.size.1 as f32;
-    let overlaps = |a: f32, b: f32, max: f32| a.max(b) >= 0.0 && a.min(b) <= max;
     overlaps(a.0, b.0, width) && overlaps(a.1, b.1, height)
+}
+
+/// Says whether a stretch between two places lies partly between 0 and a greatest one.
+fn overlaps(a: f32, b: f32, max: f32) -> bool {
+    a.max(b) >= 0.0 && a.min(b) <= max
 }

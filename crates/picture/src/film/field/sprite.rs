@@ -35,6 +35,14 @@ struct SpriteShape {
     width: Option<f32>,
 }
 
+/// The same with its path in the notation of SVG.
+#[derive(Debug)]
+pub struct SvgShape {
+    pub path: String,
+    pub ink: Ink,
+    pub width: Option<f32>,
+}
+
 /// The place, size and direction of a sprite on a canvas.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement(Transform);
@@ -77,9 +85,9 @@ impl Sprite {
         }
     }
 
-    /// Its shapes, the lowest first: the path in the notation of SVG, its ink, and the width of a line.
-    pub fn shapes_as_svg(&self) -> impl Iterator<Item = (String, Ink, Option<f32>)> + '_ {
-        self.shapes.iter().map(|shape| (svg_path(&shape.path), shape.ink, shape.width))
+    /// Its shapes, the lowest first.
+    pub fn shapes_as_svg(&self) -> impl Iterator<Item = SvgShape> + '_ {
+        self.shapes.iter().map(|shape| SvgShape { path: svg_path(&shape.path), ink: shape.ink, width: shape.width })
     }
 
     /// The largest distance of a point that it is drawn towards from its origin, along each axis, in its units.

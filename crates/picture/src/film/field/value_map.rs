@@ -11,7 +11,7 @@ use wildfire_grid::cost_map::{TwoZones, cost_map};
 use wildfire_grid::distance::squared_vertex_distances;
 use wildfire_grid::wavefront::{GOAL, wavefront};
 use wildfire_grid::{Connectivity, CornerCutting, Grid};
-use wildfire_timeline::{AgentId, Setting};
+use wildfire_timeline::Setting;
 
 const OPACITY: f64 = 0.7;
 
@@ -73,11 +73,10 @@ fn truck(pane: &Pane) -> Option<usize> {
                 Selected::Bush(_) => None,
             }
         });
-    let is_truck = |agent: &AgentId| agent.role.suppresses();
     let agents = &pane.setting().agents;
-    let preferred = [options.followed_agent(), selected].into_iter().flatten().find(is_truck);
+    let preferred = [options.followed_agent(), selected].into_iter().flatten().find(|agent| agent.role.suppresses());
     let preferred = preferred.and_then(|agent| pane.setting().agent_index(agent));
-    preferred.or_else(|| agents.iter().position(|agent| is_truck(&agent.id)))
+    preferred.or_else(|| agents.iter().position(|agent| agent.id.role.suppresses()))
 }
 
 impl ValueMap {
@@ -99,13 +98,10 @@ impl ValueMap {
 
     /// Gives every pixel of the field the colour of the value at its middle.
     pub fn draw(&self, canvas: &mut Canvas, pane: &Pane) {
-        let (from, to) = pane.field_box();
-        let within = |first: i32, last: i32, side: u32| first.max(0) as u32..(last.max(0) as u32).min(side);
+        let (columns, rows) = pane.field_pixels();
         let middle = |x: u32, y: u32| pane.projection.world((f64::from(x) + 0.5, f64::from(y) + 0.5));
-        let columns = within(from.0, to.0, pane.size.0);
-        // Columns once for all rows, as each side of a square follows from one coordinate of the pixel.
         let squares: Vec<usize> = columns.clone().map(|x| self.square(middle(x, 0).x, self.values.cols())).collect();
-        for y in within(from.1, to.1, pane.size.1) {
+        for y in rows {
             let values = self.values.row(self.square(middle(0, y).y, self.values.rows()));
             let pixels = canvas.row_from(columns.start as usize, y as usize);
             for (&square, pixel) in squares.iter().zip(pixels).filter(|(square, _)| !values[**square].is_nan()) {

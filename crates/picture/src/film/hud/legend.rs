@@ -120,10 +120,9 @@ pub fn legend_entries(runs: &[&RunView], pane_side: f64) -> Vec<LegendEntry> {
     covers.iter().for_each(|cover| add(LegendSign::Ground(cover.colour()), cover.name()));
     // Colours of fire are laid over those of the ground, so that they are shown on a ground of these runs.
     if let Some(cover) = covers.iter().find(|cover| cover.burns()) {
-        let over = |colour, share| LegendSign::Cell(blend(cover.colour(), colour, share));
         add(LegendSign::Cell(FLAMING), "on fire");
-        add(over(CHAR, BURNED_OPACITY), "burned");
-        add(over(WET, WET_OPACITY.into()), "wet");
+        add(LegendSign::Cell(blend(cover.colour(), CHAR, BURNED_OPACITY)), "burned");
+        add(LegendSign::Cell(blend(cover.colour(), WET, WET_OPACITY.into())), "wet");
     }
     if runs.iter().any(|run| run.timeline().setting.line.is_some()) {
         add(LegendSign::Cell(LINE), "line that holds");

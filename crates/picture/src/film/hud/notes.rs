@@ -136,10 +136,12 @@ pub fn draw_help(pen: &mut TextPen, layout: &FrameLayout, has_ground: bool) {
 
 /// Returns the widths of the two columns of a table, in heights of text.
 fn widths(table: &KeyTable) -> (f32, f32) {
-    let widest = |texts: &mut dyn Iterator<Item = &String>, face: TextFace| {
-        texts.map(|text| measure_weighted(text, face.size, face.weight)).fold(0.0, f32::max)
-    };
     let keys = &mut table.iter().map(|row| &row.0);
     let does = &mut table.iter().map(|row| &row.1);
     (widest(keys, TextFace::STRONG), widest(does, TextFace::PLAIN))
+}
+
+/// Returns the width of the widest of some texts.
+fn widest(texts: &mut dyn Iterator<Item = &String>, face: TextFace) -> f32 {
+    texts.map(|text| measure_weighted(text, face.size, face.weight)).fold(0.0, f32::max)
 }

@@ -20,7 +20,9 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::Piece;
 use wildfire_base::untrusted::visible;
 use wildfire_fire::BushStateKind;
-use wildfire_timeline::{Activity, AgentFact, AgentStart, Body, Fact, FireFact, Role, Rules, SuppressionSpan};
+use wildfire_timeline::{
+    Activity, AgentFact, AgentStart, Body, ChangedBush, Fact, FireFact, Role, Rules, SuppressionSpan,
+};
 
 /// Parts of a metre in which places and lengths are written, of a radian, of a curvature of 1/m, and of m/s and m/s2.
 const PER_METRE: f64 = 1e4;
@@ -360,7 +362,7 @@ fn change_table(run: &RunView, texts: &mut Texts) -> ChangeTable {
     let mut since: Vec<Option<SimTime>> = vec![None; setting.bushes.len()];
     let mut table = ChangeTable::default();
     for event in &timeline.events {
-        let Some((cell, state)) = event.bush_change() else { continue };
+        let Some(ChangedBush { cell, state }) = event.bush_change() else { continue };
         let Some(bush) = setting.bush_index(cell) else { continue };
         table.time_ns.push(nanos(event.time));
         table.bush.push(bush as i64);

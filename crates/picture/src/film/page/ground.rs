@@ -235,28 +235,32 @@ fn arrival_lines(run: &RunView) -> Vec<ArrivalData> {
         .into_iter()
         .map(|(time_s, label, lines)| {
             let lines: Vec<crate::contours::ContourLine> = lines;
-            let line = |points: &[(f64, f64)]| {
-                let part = |at: f64| (at * PER_CELL).round() as i64;
-                let columns = differences(points.iter().map(|point| part(point.0)));
-                let rows = differences(points.iter().map(|point| part(point.1)));
-                columns.into_iter().zip(rows).flat_map(|(col, row)| [col, row]).collect()
-            };
-            ArrivalData { time_s, label, lines: lines.iter().map(|contour| line(&contour.points)).collect() }
+            ArrivalData { time_s, label, lines: lines.iter().map(|contour| line_steps(&contour.points)).collect() }
         })
         .collect()
 }
 
+/// Returns a line as steps from point to point in parts of a cell, columns and rows in turn.
+fn line_steps(points: &[(f64, f64)]) -> Vec<i64> {
+    let columns = differences(points.iter().map(|point| (point.0 * PER_CELL).round() as i64));
+    let rows = differences(points.iter().map(|point| (point.1 * PER_CELL).round() as i64));
+    columns.into_iter().zip(rows).flat_map(|(col, row)| [col, row]).collect()
+}
+
 fn shades_data(run: &RunView) -> BTreeMap<&'static str, ShadesData> {
-    let data = |CellShades { scale, by_cell }: CellShades| ShadesData {
+    CellShades::LAYERS
+        .into_iter()
+        .filter_map(|(layer, quantity)| Some((layer.name(), shades_of_quantity(CellShades::new(run, quantity)?))))
+        .collect()
+}
+
+fn shades_of_quantity(CellShades { scale, by_cell }: CellShades) -> ShadesData {
+    ShadesData {
         name: scale.name.clone(),
         shades: (0..SHADES).map(|row| hex(scale.shade((f64::from(row) + 0.5) / f64::from(SHADES)))).collect(),
         ticks: scale.ticks.iter().map(|tick| (scale.fraction(tick.value), tick.label.clone())).collect(),
         cells: CellColours::new(by_cell.iter().copied()),
-    };
-    CellShades::LAYERS
-        .into_iter()
-        .filter_map(|(layer, quantity)| Some((layer.name(), data(CellShades::new(run, quantity)?))))
-        .collect()
+    }
 }
 
 fn millis(time: SimTime) -> i64 {

@@ -22,7 +22,7 @@ use crate::colours::{
 };
 use crate::film::field::searches::STYLES;
 use crate::film::field::sprite::{
-    BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPRITE, FLAME_SPRITE, Sprite, UNIMOG_SPRITE, WET_SPRITE, WHEEL_SPRITE,
+    BURNED_SPRITE, BUSH_SPRITE, EMBERS_SPRITE, FLAME_SPRITE, Sprite, SvgShape, UNIMOG_SPRITE, WET_SPRITE, WHEEL_SPRITE,
     WUMPUS_SPRITE,
 };
 use crate::film::hud::chart::CountScale;
@@ -334,11 +334,12 @@ fn sprites() -> BTreeMap<&'static str, Vec<(String, f32, f32, String)>> {
         ("wheel", &WHEEL_SPRITE),
         ("wumpus", &WUMPUS_SPRITE),
     ];
-    let shapes = |sprite: &Sprite| {
-        let shapes = sprite.shapes_as_svg();
-        shapes.map(|(path, ink, width)| (hex(ink.colour), ink.opacity, width.unwrap_or(0.0), path)).collect()
-    };
     sprites.into_iter().map(|(name, sprite)| (name, shapes(sprite))).collect()
+}
+
+fn shapes(sprite: &Sprite) -> Vec<(String, f32, f32, String)> {
+    let shapes = sprite.shapes_as_svg();
+    shapes.map(|SvgShape { path, ink, width }| (hex(ink.colour), ink.opacity, width.unwrap_or(0.0), path)).collect()
 }
 
 #[cfg(test)]

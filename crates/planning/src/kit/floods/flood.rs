@@ -260,9 +260,8 @@ impl BinPages {
 
     /// Returns the index in `poses` at which a page begins, if it was ever written to.
     fn start_of(&self, block: usize, page: usize) -> Option<usize> {
-        let is_allocated = |start: &u32| *start != NONE;
-        let pages = Some(self.blocks[block]).filter(is_allocated)? as usize;
-        Some(self.pages[pages + page]).filter(is_allocated).map(|start| start as usize)
+        let pages = Some(self.blocks[block]).filter(|start: &u32| *start != NONE)? as usize;
+        Some(self.pages[pages + page]).filter(|start: &u32| *start != NONE).map(|start| start as usize)
     }
 
     fn is_taken(&self, pose: Pose) -> bool {

@@ -153,8 +153,7 @@ impl Squares {
     }
 
     fn at(self, point: DVec2) -> usize {
-        let index = |metres: f64, count: usize| ((metres / SQUARE_M) as usize).min(count - 1);
-        index(point.y, self.rows) * self.cols + index(point.x, self.cols)
+        square_index(point.y, self.rows) * self.cols + square_index(point.x, self.cols)
     }
 
     /// Returns the squares that share a side with one.
@@ -169,4 +168,8 @@ impl Squares {
         let north = (row + 1 < rows).then_some(square + cols);
         [west, east, south, north].into_iter().flatten()
     }
+}
+
+fn square_index(metres: f64, count: usize) -> usize {
+    ((metres / SQUARE_M) as usize).min(count - 1)
 }

@@ -15,7 +15,7 @@ use crate::kit::relaxed_search::{RelaxedSearch, RelaxedSettings};
 use crate::kit::target::Target;
 use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
 use crate::registry::{BuiltInPlanner, Charge, PlannerContext, TruckPlannerSettings};
-use crate::{BuildReport, Effort, Goal, GoalDisc, Plan, TruckPlanner};
+use crate::{BuildReport, Effort, Goal, GoalDisc, NearestPlan, Plan, TruckPlanner};
 use wildfire_base::geometry::Pose;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Path;
@@ -69,11 +69,11 @@ impl TruckPlanner for HybridAstar {
         start: Pose,
         discs: &[GoalDisc],
         observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
+    ) -> Option<NearestPlan> {
         let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
         let plan = self.plan_into(start, Target::Discs(&discs), observer);
         let end = plan.path.as_ref().map_or(start, Path::end);
-        Some((Target::Discs(&discs).disc_of(end, self.0.body()), plan))
+        Some(NearestPlan { index: Target::Discs(&discs).disc_of(end, self.0.body()), plan })
     }
 }
 

@@ -35,7 +35,7 @@ use crate::kit::target::Target;
 use crate::memory::MemoryMeter;
 use crate::observer::{NullObserver, PlanningObserver, PlanningWork};
 use crate::registry::{BuiltInPlanner, Charge, PlannerContext, RoadmapSize, TruckPlannerSettings};
-use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, Plan, TruckPlanner};
+use crate::{BuildReport, Effort, Found, FoundBy, Goal, GoalDisc, NearestPlan, Plan, TruckPlanner};
 use glam::DVec2;
 use rand::Rng;
 use roadmap::{Roadmap, RoadmapSite, SCHEDULE};
@@ -235,11 +235,11 @@ impl TruckPlanner for PrmRs {
         start: Pose,
         discs: &[GoalDisc],
         observer: &mut dyn PlanningObserver,
-    ) -> Option<(usize, Plan)> {
+    ) -> Option<NearestPlan> {
         let discs: Vec<GoalDisc> = discs.iter().map(|disc| disc.with_margin()).collect();
         let plan = self.plan_into(start, Target::Discs(&discs), observer);
         let end = plan.path.as_ref().map_or(start, Path::end);
-        Some((Target::Discs(&discs).disc_of(end, self.checker.body()), plan))
+        Some(NearestPlan { index: Target::Discs(&discs).disc_of(end, self.checker.body()), plan })
     }
 }
 

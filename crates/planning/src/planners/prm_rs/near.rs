@@ -22,9 +22,8 @@ pub struct Places {
 impl Places {
     pub fn new(frame: &FieldFrame) -> Self {
         let side_m = SIDE_M.max(frame.width_m().max(frame.height_m()) / MAX_SQUARES);
-        let count = |metres: f64| (metres / side_m) as usize + 1;
-        let cols = count(frame.width_m());
-        let rows = count(frame.height_m());
+        let cols = (frame.width_m() / side_m) as usize + 1;
+        let rows = (frame.height_m() / side_m) as usize + 1;
         Self { side_m, cols, rows, squares: vec![Vec::new(); cols * rows], places: Vec::new() }
     }
 

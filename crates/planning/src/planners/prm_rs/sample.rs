@@ -127,10 +127,9 @@ fn along_nearest_bush(field: &ClearanceField, place: DVec2) -> Option<f64> {
 /// a block, its west and south edges included.
 fn convex_corners<'a>(field: &'a ClearanceField, block: &'a CellBlock) -> impl Iterator<Item = (DVec2, f64)> + 'a {
     // The bush lies at 225 degrees from the corner, or at 315, 45 or 135.
-    let outwards = |only: usize| FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64;
     corners_of_one(field.occupied(), block).map(move |(row, col, only)| {
         let place = DVec2::new(col as f64, row as f64) * field.frame().cell_m;
-        (place, outwards(only))
+        (place, FRAC_PI_4 + 2.0 * FRAC_PI_4 * only as f64)
     })
 }
 

@@ -11,11 +11,9 @@
 //! Each decision auctions all again; only the first fire of a route becomes a goal. A route on which a tank runs dry leads to
 //! the nearest water before it goes on.
 
-use glam::DVec2;
-
 use super::hungarian::bushes_saved;
 use super::open_fires::OpenFires;
-use super::team::{Assignment, Team, TeamTruck};
+use super::team::{Assignment, RouteStart, Team, TeamTruck};
 use super::threat::threats;
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;
@@ -183,14 +181,14 @@ impl Auctioneer<'_> {
     /// Reckons what a fire at a place in a route gains; `None` if it, or what comes after it, would be late.
     fn bid(&self, route: &TruckRoute<'_>, fire: usize, at: usize) -> Option<Insertion> {
         let (team, truck) = (self.open.team, route.truck);
-        let (from, departs) = self.before(route, at);
+        let RouteStart { place: from, time: departs } = self.before(route, at);
         let place = self.open.fires[fire].place;
         let out_at = departs + team.stop_time(truck.speed_mps, from, place);
         // Too late itself; whether it makes later stops late costs more to find.
         if out_at > team.due(&self.open.fires[fire]) {
             return None;
         }
-        let delay = self.delay_of_rest(route, at, (place, out_at))?;
+        let delay = self.delay_of_rest(route, at, RouteStart { place, time: out_at })?;
         // Keeps trucks from turning round for a gain within the estimates' error.
         let kept_s = if at == 0 && truck.goal == Some(self.open.fires[fire].cell) { KEPT_S } else { 0.0 };
         let bushes = bushes_saved(self.open, &self.threats, fire, out_at);
@@ -200,10 +198,10 @@ impl Auctioneer<'_> {
 
     /// Reckons by how much later the last stop of a route is over if another one, at this place and over at this time, comes
     /// in between; `None` if that makes the truck late for one of them.
-    fn delay_of_rest(&self, route: &TruckRoute<'_>, at: usize, (place, out_at): (DVec2, SimTime)) -> Option<SimTime> {
+    fn delay_of_rest(&self, route: &TruckRoute<'_>, at: usize, stop: RouteStart) -> Option<SimTime> {
         let (team, truck) = (self.open.team, route.truck);
         let mut delay = SimTime::ZERO;
-        let (mut from, mut departs) = (place, out_at);
+        let mut start = stop;
         for (number, stop) in (at + 1..).zip(&route.stops[at..]) {
             // Without water to fetch the delay is the same for all later stops, so it need not be driven through.
             if team.water.is_none() && number > at + 1 {
@@ -213,35 +211,34 @@ impl Auctioneer<'_> {
                 }
                 continue;
             }
-            (from, departs) = self.with_water(truck, number, (from, departs));
+            let RouteStart { place: from, time: departs } = self.with_water(truck, number, start);
             let place = self.open.fires[stop.fire].place;
-            departs += team.stop_time(truck.speed_mps, from, place);
-            from = place;
-            if departs > stop.due {
+            start = RouteStart { place, time: departs + team.stop_time(truck.speed_mps, from, place) };
+            if start.time > stop.due {
                 return None;
             }
-            delay = departs.since(stop.out_at);
+            delay = start.time.since(stop.out_at);
         }
         Some(delay)
     }
 
     /// From where, and when, a truck sets out for a place in its route.
-    fn before(&self, route: &TruckRoute<'_>, at: usize) -> (DVec2, SimTime) {
+    fn before(&self, route: &TruckRoute<'_>, at: usize) -> RouteStart {
         let from = match at.checked_sub(1).map(|before| route.stops[before]) {
-            Some(stop) => (self.open.fires[stop.fire].place, stop.out_at),
-            None => (route.truck.place, self.open.team.sets_out_at(route.truck)),
+            Some(stop) => RouteStart { place: self.open.fires[stop.fire].place, time: stop.out_at },
+            None => RouteStart { place: route.truck.place, time: self.open.team.sets_out_at(route.truck) },
         };
         self.with_water(route.truck, at, from)
     }
 
     /// From where, and when, a truck goes on to a stop of this number that comes from here, by way of water if its tank is
     /// empty by then.
-    fn with_water(&self, truck: &TeamTruck, number: usize, from: (DVec2, SimTime)) -> (DVec2, SimTime) {
+    fn with_water(&self, truck: &TeamTruck, number: usize, from: RouteStart) -> RouteStart {
         let Some(water) = self.open.team.water else { return from };
         let left = truck.stops_left as usize;
         let full = water.full_tank as usize;
         let is_dry = number >= left && (number - left).is_multiple_of(full);
-        if is_dry { self.open.team.refilled(truck.speed_mps, from.0, from.1, 0) } else { from }
+        if is_dry { self.open.team.refilled(truck.speed_mps, from.place, from.time, 0) } else { from }
     }
 
     fn insert(&self, route: &mut TruckRoute<'_>, bid: Insertion) {
@@ -249,7 +246,7 @@ impl Auctioneer<'_> {
         route.stops.insert(bid.at, RouteStop { fire: bid.fire, out_at: SimTime::ZERO, due: self.open.team.due(fire) });
         // Stops before it keep their times.
         for at in bid.at..route.stops.len() {
-            let (from, departs) = self.before(route, at);
+            let RouteStart { place: from, time: departs } = self.before(route, at);
             let place = self.open.fires[route.stops[at].fire].place;
             route.stops[at].out_at = departs + self.open.team.stop_time(route.truck.speed_mps, from, place);
         }
@@ -263,6 +260,8 @@ impl Auctioneer<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::super::samples::Sample;
     use super::*;
     use wildfire_timeline::WaterRules;

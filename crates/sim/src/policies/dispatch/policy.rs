@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::of_scenario::DispatchRules;
 use super::sight::TeamSight;
-use super::team::{Assignment, Fire, Intact, Team, TeamRules, TeamTruck};
+use super::team::{Assignment, Fire, Intact, RouteStart, Team, TeamRules, TeamTruck};
 use crate::policies::{Action, AgentView, Observation, Policy, PolicyScope};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
@@ -193,7 +193,7 @@ impl<'a> FleetKnowledge<'a> {
         for number in 0..team.trucks.len() {
             let TeamTruck { speed_mps, place, free_at, stops_left, goal, .. } = team.trucks[number];
             if stops_left == 0 && goal.is_none() {
-                let (place, free_at) = team.refilled(speed_mps, place, free_at, stops_left);
+                let RouteStart { place, time: free_at } = team.refilled(speed_mps, place, free_at, stops_left);
                 let stops_left = water.as_ref().map_or(u32::MAX, |water| water.full_tank);
                 team.trucks[number] = TeamTruck { place, free_at, stops_left, ..team.trucks[number] };
             }

@@ -104,16 +104,23 @@ impl std::fmt::Debug for dyn Intact + '_ {
     }
 }
 
+/// Where and when a truck sets out for a place.
+#[derive(Clone, Copy, Debug)]
+pub struct RouteStart {
+    pub place: DVec2,
+    pub time: SimTime,
+}
+
 impl Team<'_> {
     /// Estimates where and when a truck that drives from here to water has a full tank; it sets out at `time` with
     /// water for some stops.
-    pub fn refilled(&self, speed_mps: f64, from: DVec2, time: SimTime, stops_left: u32) -> (DVec2, SimTime) {
-        let Some(water) = self.water else { return (from, time) };
+    pub fn refilled(&self, speed_mps: f64, from: DVec2, time: SimTime, stops_left: u32) -> RouteStart {
+        let Some(water) = self.water else { return RouteStart { place: from, time } };
         let place = water.nearest(from);
         // It fills its tank within reach of the water, so that part of the way is not driven.
         let metres = ((place - from).length() - water.reach_m).max(0.0);
         let drive = SimTime::from_seconds(WAY_FACTOR * metres / speed_mps);
-        (place, time + drive + water.fill_time(stops_left))
+        RouteStart { place, time: time + drive + water.fill_time(stops_left) }
     }
 
     /// Estimates the time of a truck's drive between two places, to within reach of the second.

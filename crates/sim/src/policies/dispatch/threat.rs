@@ -55,9 +55,8 @@ pub fn threats(team: &Team<'_>, fires: &[Fire]) -> Vec<u32> {
 pub fn cells_within(radius_m: f64, team: &Team<'_>) -> Vec<(i32, i32)> {
     let across = radius_m / team.frame.cell_m;
     let limit = across * across * (1.0 + RADIUS_TOLERANCE);
-    let max = |count: u16| limit.sqrt().floor().min(f64::from(count) - 1.0) as i32;
-    let cols = max(team.frame.cols);
-    let rows = max(team.frame.rows);
+    let cols = limit.sqrt().floor().min(f64::from(team.frame.cols) - 1.0) as i32;
+    let rows = limit.sqrt().floor().min(f64::from(team.frame.rows) - 1.0) as i32;
     let all = (-rows..=rows).flat_map(|row| (-cols..=cols).map(move |col| (col, row)));
     all.filter(|&(col, row)| (col, row) != (0, 0) && f64::from(col * col + row * row) <= limit).collect()
 }

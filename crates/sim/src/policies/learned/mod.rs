@@ -32,10 +32,9 @@ impl Networks {
             let custom = custom.map(weights).filter(|custom| !custom.is_empty());
             custom.unwrap_or_else(|| weights(&SHIPPED)).as_slice()
         };
-        let network = |inputs: usize, weights: &[f64]| Arc::new(Network::new(inputs, weights));
         Self {
-            posts: network(Learned::STAGING_INPUTS.len(), pick(|learned| &learned.posts)),
-            lights: network(Learned::LIGHT_INPUTS.len(), pick(|learned| &learned.lights)),
+            posts: Arc::new(Network::new(Learned::STAGING_INPUTS.len(), pick(|learned| &learned.posts))),
+            lights: Arc::new(Network::new(Learned::LIGHT_INPUTS.len(), pick(|learned| &learned.lights))),
         }
     }
 }

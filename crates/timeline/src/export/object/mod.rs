@@ -194,8 +194,8 @@ impl Serialize for OutcomeObject<'_> {
         let agents = outcome.get_mut("agents").and_then(Json::as_array_mut).into_iter().flatten();
         for (object, agent) in agents.zip(&self.0.agents) {
             object["agent"] = agent.agent.to_string().into();
-            object["failures"] =
-                agent.failures.iter().map(|(reason, count)| (reason.to_string(), Json::from(count))).collect();
+            let counts = PlanFailure::ALL.map(|reason| (reason.to_string(), Json::from(agent.failures[reason])));
+            object["failures"] = counts.into_iter().collect();
         }
         outcome.serialize(serializer)
     }

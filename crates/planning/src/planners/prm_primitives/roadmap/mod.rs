@@ -100,9 +100,10 @@ impl Roadmap {
             }
         }
         // The search tree wants few of them in one line.
-        let aside = |number: u32| DVec2::new(radical_inverse(2, number), radical_inverse(3, number)) - 0.5;
-        let places =
-            (1..).zip(squares.into_values()).map(|(number, (_, place))| place + 0.2 * frame.cell_m * aside(number));
+        let places = (1..).zip(squares.into_values()).map(|(number, (_, place))| {
+            let aside = DVec2::new(radical_inverse(2, number), radical_inverse(3, number)) - 0.5;
+            place + 0.2 * frame.cell_m * aside
+        });
         self.milestones.extend(places.filter(|&place| self.space.point_is_free(place)));
         self
     }
