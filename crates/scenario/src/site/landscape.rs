@@ -225,7 +225,7 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
     });
     let relief = relief(scenario, settings, seed, &frame);
     let custom_fuels = scenario.custom_fuels();
-    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels }, blocked }
+    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels, rate_factors: Vec::new() }, blocked }
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {

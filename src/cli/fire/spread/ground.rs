@@ -85,6 +85,7 @@ impl<'a> GroundSources<'a> {
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
             custom_fuels: self.custom_fuels.clone(),
+            rate_factors: Vec::new(),
         };
         let weather = Arc::new(arguments.weather_on(&frame, layers.as_ref())?);
         let place = layers.as_ref().map_or_else(EarthPlace::default, EarthPlace::from_layers);
