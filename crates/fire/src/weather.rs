@@ -179,6 +179,15 @@ impl Weather {
         self.moisture_zones.as_ref()
     }
 
+    /// Returns the moistures by place of some cells, each once and in their order; none if moisture is everywhere the same.
+    pub fn moistures_of(&self, cells: impl Iterator<Item = usize>) -> Vec<FuelMoisture> {
+        let Some(zones) = &self.moisture_zones else { return Vec::new() };
+        let mut is_listed = vec![false; zones.moistures.len()];
+        let zone_of = |index: usize| usize::from(zones.of_cell[index]);
+        let new = cells.map(zone_of).filter(|&zone| !std::mem::replace(&mut is_listed[zone], true));
+        new.map(|zone| zones.moistures[zone]).collect()
+    }
+
     /// Returns the wind by place of each interval; empty if wind is everywhere the same.
     pub fn wind_fields(&self) -> &[Option<Arc<WindField>>] {
         &self.wind_fields
