@@ -328,10 +328,10 @@ impl<'a> Arrivals<'a> {
         for (index, fuel) in fuel.iter().enumerate() {
             fuel.iter().for_each(|&fuel| cell_of[usize::from(fuel)] = index);
         }
-        let kind = |index: usize| (weather.in_cell(0, index).moisture, landscape.rate_factor(index));
         let is_by_fuel = weather.moisture_zones().is_none() && landscape.rate_factors.is_empty()
-            || (fuel.iter().enumerate())
-                .all(|(index, fuel)| fuel.is_none_or(|fuel| kind(index) == kind(cell_of[usize::from(fuel)])));
+            || (fuel.iter().enumerate()).all(|(index, fuel)| {
+                fuel.is_none_or(|fuel| is_alike([index, cell_of[usize::from(fuel)]], landscape, weather))
+            });
         let has_local_wind = weather.wind_fields().iter().any(Option::is_some);
         let mut arrivals = Self {
             frame,
@@ -375,8 +375,8 @@ impl<'a> Arrivals<'a> {
             let ellipses: Vec<Ellipse> = match plane {
                 _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
-                    let ellipse = |fuel: usize| self.new_ellipse(interval, fuel, self.cell_of[fuel], gradient);
-                    (0..self.models.len()).map(ellipse).collect()
+                    let cells = self.cell_of.iter().enumerate();
+                    cells.map(|(fuel, &index)| self.new_ellipse(interval, fuel, index, gradient)).collect()
                 }
                 // On relief each cell has its own ellipse; a sample decides which directions are worth a line.
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
@@ -784,6 +784,12 @@ impl<'a> Arrivals<'a> {
         let residence = SimTime::from_seconds(self.bed(interval, usize::from(fuel), index).residence_s());
         ignited.saturating_add(min.max(residence).as_nanos()) > time
     }
+}
+
+/// Says whether two cells have the same moisture and the same factor on the rate of spread.
+fn is_alike([one, other]: [usize; 2], landscape: &Landscape, weather: &Weather) -> bool {
+    weather.in_cell(0, one).moisture == weather.in_cell(0, other).moisture
+        && landscape.rate_factor(one) == landscape.rate_factor(other)
 }
 
 /// A time some seconds after another, to the nearest nanosecond.

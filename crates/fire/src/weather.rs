@@ -183,8 +183,8 @@ impl Weather {
     pub fn moistures_of(&self, cells: impl Iterator<Item = usize>) -> Vec<FuelMoisture> {
         let Some(zones) = &self.moisture_zones else { return Vec::new() };
         let mut is_listed = vec![false; zones.moistures.len()];
-        let zone_of = |index: usize| usize::from(zones.of_cell[index]);
-        let new = cells.map(zone_of).filter(|&zone| !std::mem::replace(&mut is_listed[zone], true));
+        let of_cells = cells.map(|index| usize::from(zones.of_cell[index]));
+        let new = of_cells.filter(|&zone| !std::mem::replace(&mut is_listed[zone], true));
         new.map(|zone| zones.moistures[zone]).collect()
     }
 

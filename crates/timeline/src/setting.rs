@@ -128,8 +128,10 @@ impl FlamingTimes {
     fn new(spread: &SpreadSetting) -> Self {
         // Where moisture differs from place to place they are computed for each cell.
         let intervals = spread.weather().intervals().iter().filter(|_| spread.weather().moisture_zones().is_none());
-        let span = |interval: &WeatherInterval, number| Self::span(spread, &interval.moisture, number);
-        let spans = intervals.flat_map(|interval| (0..=u8::MAX).map(move |number| span(interval, number))).collect();
+        let spans = intervals.flat_map(|interval: &WeatherInterval| {
+            (0..=u8::MAX).map(move |number| Self::span(spread, &interval.moisture, number))
+        });
+        let spans = spans.collect();
         Self { spread: spread.clone(), spans }
     }
 

@@ -309,11 +309,11 @@ fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceO
     for share in burning.filter(|share| share.cells as f64 > RARE * landscape.fuel.len() as f64) {
         let intervals = weather.intervals();
         let moistures = moistures_of(landscape, weather, share.model.number);
-        let is_moist = |at: usize, moisture| fire_of(&share.model, weather, at, moisture, options).rate_mps == 0.0;
         let moist = if moistures.is_empty() {
-            (0..intervals.len()).find(|&at| is_moist(at, None))
+            (0..intervals.len()).find(|&at| fire_of(&share.model, weather, at, None, options).rate_mps == 0.0)
         } else {
-            moistures.into_iter().all(|moisture| is_moist(0, Some(moisture))).then_some(0)
+            let mut fires = moistures.iter().map(|it| fire_of(&share.model, weather, 0, Some(*it), options));
+            fires.all(|fire| fire.rate_mps == 0.0).then_some(0)
         };
         if let Some(at) = moist {
             let since = thousandths(intervals[at].from.as_seconds());

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::fuel_name::FuelName;
 use super::layers::{ImportedLayers, PackedLayer};
 use super::wind_raster::{RasterSampler, check_crs};
 use crate::faults::check::{Check, TablePath};
@@ -102,8 +103,8 @@ impl ImportedMoisture {
         fuels: &CustomFuels,
     ) -> Result<Self, String> {
         let may_lack: Vec<bool> = layers.map_or_else(Vec::new, |layers| {
-            let burns = |number: u8| fuels.model(number).is_some_and(FuelModel::burns);
-            layers.fuel_or(1).into_iter().map(|number| !burns(number)).collect()
+            let fuel = layers.fuel_or(1).into_iter();
+            fuel.map(|number| fuels.model(number).is_none_or(|model| !model.burns())).collect()
         });
         let mut rasters = Vec::with_capacity(files.len());
         for (class, path) in files {
@@ -130,60 +131,72 @@ impl ImportedMoisture {
             }
         };
         let burns = landscape.burning_numbers();
-        let is_fuel = |index: &usize| burns[usize::from(fuel[*index])];
+        let is_fuel: Vec<bool> = fuel.iter().map(|&number| burns[usize::from(number)]).collect();
         // Zones of what does not burn would keep cells of a fuel from being alike: its moisture is that of another cell.
-        let first = (0..fuel.len()).find(is_fuel).unwrap_or(0);
-        let at = |index: usize| shift.applied_to(moisture(if is_fuel(&index) { index } else { first }));
-        MoistureZones::new((0..fuel.len()).map(at))
+        let first = is_fuel.iter().position(|&is_fuel| is_fuel).unwrap_or(0);
+        let cells = is_fuel.iter().enumerate().map(|(index, &is_fuel)| if is_fuel { index } else { first });
+        MoistureZones::new(cells.map(|index| shift.applied_to(moisture(index))))
     }
 
     /// Returns the number of a fuel model that burns and has no moisture, as files write it, if one of these is such a model.
     pub fn missing_model(&self, numbers: impl IntoIterator<Item = u8>, fuels: &CustomFuels) -> Option<u16> {
         let Self::Models(models) = self else { return None };
-        let is_listed = |number: u8| models.iter().any(|(listed, _)| [0, number].contains(listed));
-        let burns = |number: &u8| fuels.model(*number).is_some_and(FuelModel::burns);
-        numbers.into_iter().filter(burns).find(|&number| !is_listed(number)).map(written_number)
+        let burning = numbers.into_iter().filter(|&number| fuels.model(number).is_some_and(FuelModel::burns));
+        let mut missing = burning.filter(|number| !models.iter().any(|(listed, _)| [0, *number].contains(listed)));
+        missing.next().map(written_number)
     }
 
     /// Describes the range of each class in sentences, and what may have been misread.
     pub fn describe(&self, cells: usize) -> Vec<String> {
         let mut notes = Vec::new();
         let mut ranges = Vec::new();
-        let mut add = |class: usize, percents: &mut dyn Iterator<Item = f64>| {
-            let [min, max] = percents.fold([f64::INFINITY, 0.0], |[min, max], it: f64| [it.min(min), it.max(max)]);
-            let name = MOISTURE_CLASSES[class].0;
-            if min <= max {
-                ranges.push(format!("{name} {min} to {max} %"));
-            }
-            max
-        };
         let by = match self {
             Self::Models(models) => {
                 for class in 0..MOISTURE_CLASSES.len() {
-                    let of_class = |&(_, mut moisture): &(u8, FuelMoisture)| *parts(&mut moisture)[class];
-                    add(class, &mut models.iter().map(|model| (1e6 * of_class(model)).round() / 1e4));
+                    let of_class = models.iter().map(|&(_, mut moisture)| *parts(&mut moisture)[class]);
+                    // Rounded, as a hundredth of a percent has no exact number.
+                    ranges.extend(PercentRange::new(class, of_class.map(|part| (1e6 * part).round() / 1e4)));
                 }
                 format!("{} fuel models", models.len())
             }
             Self::Rasters(rasters) => {
                 for (class, packed) in rasters {
-                    let percents = packed.integers(cells).unwrap_or_default();
-                    let known = percents.into_iter().filter(|&percent| percent != ABSENT);
-                    if add((*class).into(), &mut known.map(f64::from)) < 2.0 {
-                        let name = MOISTURE_CLASSES[usize::from(*class)].0;
-                        notes.push(format!(
-                            "The raster of {name} has at most 1.5 %; if its values are fractions, gdal_calc.py \
-                             --calc=100*A -A in.tif --outfile out.tif makes them percent."
-                        ));
-                    }
+                    let percents = packed.integers(cells).unwrap_or_default().into_iter();
+                    let present = percents.filter(|&percent| percent != ABSENT).map(f64::from);
+                    ranges.extend(PercentRange::new((*class).into(), present));
                 }
+                let dry = ranges.iter().filter(|range| range.max < 2.0);
+                notes.extend(dry.map(|range| {
+                    format!(
+                        "The raster of {} has at most 1.5 %; if its values are fractions, gdal_calc.py --calc=100*A -A \
+                         in.tif --outfile out.tif makes them percent.",
+                        range.name
+                    )
+                }));
                 let zones = PercentLayers::new(rasters, cells).and_then(|percents| percents.zones(cells));
                 format!("{} zones", zones.map_or(0, |zones| zones.moistures.len()))
             }
         };
+        let ranges: Vec<String> =
+            ranges.iter().map(|PercentRange { name, min, max }| format!("{name} {min} to {max} %")).collect();
         let ranges = if ranges.is_empty() { "no class".to_owned() } else { ranges.join(", ") };
         notes.insert(0, format!("Moisture by place: {ranges}; {by}."));
         notes
+    }
+}
+
+/// The moistures of a class.
+struct PercentRange {
+    name: &'static str,
+    min: f64,
+    max: f64,
+}
+
+impl PercentRange {
+    /// `None` if there are no moistures.
+    fn new(class: usize, percents: impl Iterator<Item = f64>) -> Option<Self> {
+        let [min, max] = percents.fold([f64::INFINITY, 0.0], |[min, max], it: f64| [it.min(min), it.max(max)]);
+        (min <= max).then_some(Self { name: MOISTURE_CLASSES.get(class)?.0, min, max })
     }
 }
 
@@ -256,12 +269,12 @@ pub fn read_rate_factors(path: &Path) -> Result<Vec<RateFactor>, String> {
 pub fn rate_factors(fuel: &[u8], of_models: &[RateFactor], of_cell: &[u16]) -> Vec<u16> {
     let mut of_number = [RATE_PARTS as u16; 256];
     of_models.iter().for_each(|&(number, parts)| of_number[usize::from(number)] = parts);
-    let product = |(index, &number): (usize, &u8)| {
+    let mut factors = Vec::with_capacity(fuel.len());
+    for (index, &number) in fuel.iter().enumerate() {
         let of_place = of_cell.get(index).map_or(RATE_PARTS, |&parts| f64::from(parts));
         let parts = (f64::from(of_number[usize::from(number)]) * of_place / RATE_PARTS).round() as u16;
-        parts.clamp(*RATE_FACTORS.start(), *RATE_FACTORS.end())
-    };
-    let factors: Vec<u16> = fuel.iter().enumerate().map(product).collect();
+        factors.push(parts.clamp(*RATE_FACTORS.start(), *RATE_FACTORS.end()));
+    }
     if factors.iter().all(|&parts| f64::from(parts) == RATE_PARTS) { Vec::new() } else { factors }
 }
 
@@ -276,16 +289,16 @@ fn read_rows<const N: usize>(
     let mut rows: Vec<(u8, [f64; N])> = Vec::new();
     let lines = text.lines().zip(1_usize..).map(|(line, number)| (line.trim(), number));
     for (line, number) in lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#')) {
-        let refused = |message: String| Err(format!("{name}: line {number}: {message}"));
+        let at = format!("{name}: line {number}");
         let cells: Vec<&str> = line
             .split(|letter: char| letter.is_whitespace() || letter == ',')
             .filter(|cell| !cell.is_empty())
             .collect();
         if cells.len() != N + 1 {
-            return refused(format!("found {} columns, expected {}: {columns}", cells.len(), N + 1));
+            return Err(format!("{at}: found {} columns, expected {}: {columns}", cells.len(), N + 1));
         }
         let Some(written) = cells[0].parse::<u32>().ok().filter(|written| *written < 1000) else {
-            return refused(format!("found `{}`, expected the number of a fuel model", visible_start(cells[0])));
+            return Err(format!("{at}: found `{}`, expected the number of a fuel model", visible_start(cells[0])));
         };
         let mut values = [0.0; N];
         for (place, value) in values.iter_mut().enumerate() {
@@ -293,7 +306,7 @@ fn read_rows<const N: usize>(
             let range = &ranges[place];
             let Some(found) = cell.parse().ok().filter(|found| range.contains(found)) else {
                 let expected = format!("a number from {} to {} in column {}", range.start(), range.end(), place + 2);
-                return refused(format!("found `{}`, expected {expected}", visible_start(cell)));
+                return Err(format!("{at}: found `{}`, expected {expected}", visible_start(cell)));
             };
             *value = found;
         }
@@ -301,7 +314,7 @@ fn read_rows<const N: usize>(
             u8::try_from(written).ok().filter(|number| *number == 0 || FuelModel::by_number(*number).is_some());
         let Some(stored) = built_in.or_else(|| custom_number(written)) else { continue };
         if rows.iter().any(|(other, _)| *other == stored) {
-            return refused(format!("fuel model {written} has a line before, expected one line for each"));
+            return Err(format!("{at}: fuel model {written} has a line before, expected one line for each"));
         }
         rows.push((stored, values));
     }
@@ -412,7 +425,7 @@ impl Scenario {
         }
         let patches = self.landscape.iter().flat_map(|landscape| &landscape.patches);
         numbers.extend(patches.map(|patches| patches.fuel.number()));
-        numbers.extend(self.barrier.iter().filter_map(|barrier| barrier.fuel).map(|fuel| fuel.number()));
+        numbers.extend(self.barrier.iter().filter_map(|barrier| barrier.fuel).map(FuelName::number));
         numbers.sort_unstable();
         numbers.dedup();
         numbers

@@ -112,9 +112,9 @@ impl WindRasters<'_> {
             .collect();
         let fuel = layers.map(|layers| layers.fuel_or(1));
         let sampler = RasterSampler { raster: &first, path: self.first, quantity: "wind" };
-        // Nothing burns there, so nobody asks for the wind.
-        let is_empty = |index: usize| fuel.as_ref().is_some_and(|fuel| fuel[index] == 0);
-        let by_cell = sampler.by_cell(&winds, frame, layers, is_empty)?;
+        // Where nothing grows nobody asks for the wind.
+        let by_cell =
+            sampler.by_cell(&winds, frame, layers, |index| fuel.as_ref().is_some_and(|fuel| fuel[index] == 0))?;
         Ok(WindField::new(by_cell.into_iter().map(Option::unwrap_or_default)))
     }
 

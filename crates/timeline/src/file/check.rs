@@ -133,9 +133,6 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
     let weather = spread.weather();
     check_landscape(landscape, frame)?;
     limit("intervals of weather", weather.intervals().len(), MAX_WEATHER)?;
-    let is_moisture = |&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture| {
-        [d1, d10, d100, herb, woody].into_iter().all(|part| part.is_finite() && part >= 0.0)
-    };
     let is_weather =
         |WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval| wind_mps.is_finite() && is_moisture(moisture);
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
@@ -167,6 +164,10 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
             require(is_possible, || "its automaton has an impossible probability, coefficient or step".into())
         }
     }
+}
+
+fn is_moisture(&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture) -> bool {
+    [d1, d10, d100, herb, woody].into_iter().all(|part| part.is_finite() && part >= 0.0)
 }
 
 fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileError> {

@@ -321,11 +321,9 @@ impl ZoneRecord {
     fn new(spread: &SpreadSetting) -> Option<Self> {
         let landscape = spread.landscape();
         let moisture = spread.weather().moisture_zones();
-        let surface = |numbers: &[u16]| {
-            SurfaceRecord::new(landscape.frame.cols.into(), numbers.iter().map(|&number| f32::from(number)))
-        };
-        let factors = (!landscape.rate_factors.is_empty()).then(|| surface(&landscape.rate_factors));
-        let zones = moisture.map(|moisture| surface(&moisture.of_cell));
+        let factors = (!landscape.rate_factors.is_empty())
+            .then(|| SurfaceRecord::of_whole(landscape.frame, &landscape.rate_factors));
+        let zones = moisture.map(|moisture| SurfaceRecord::of_whole(landscape.frame, &moisture.of_cell));
         let moistures = moisture.iter().flat_map(|moisture| &moisture.moistures);
         let moistures = moistures.map(|&FuelMoisture { d1, d10, d100, herb, woody }| [d1, d10, d100, herb, woody]);
         (factors.is_some() || zones.is_some()).then(|| Self { moistures: moistures.collect(), zones, factors })
@@ -337,11 +335,11 @@ impl ZoneRecord {
         | SpreadSetting::Alexandridis { landscape, weather, .. }) = &mut spread;
         let frame = landscape.frame;
         if let Some(factors) = &self.factors {
-            let rate_factors = factors.numbers(frame)?.into_iter().map(|number| number as u16).collect();
+            let rate_factors = factors.whole(frame)?;
             *landscape = Arc::new(Landscape { rate_factors, ..Landscape::clone(landscape) });
         }
         if let Some(zones) = &self.zones {
-            let of_cell = zones.numbers(frame)?.into_iter().map(|number| number as u16).collect();
+            let of_cell = zones.whole(frame)?;
             let moistures = self.moistures.iter();
             let moistures =
                 moistures.map(|&[d1, d10, d100, herb, woody]| FuelMoisture { d1, d10, d100, herb, woody }).collect();
@@ -467,6 +465,14 @@ impl SurfaceRecord {
 }
 
 impl SurfaceRecord {
+    fn of_whole(frame: FieldFrame, numbers: &[u16]) -> Self {
+        Self::new(frame.cols.into(), numbers.iter().map(|&number| f32::from(number)))
+    }
+
+    fn whole(&self, frame: FieldFrame) -> Result<Vec<u16>, FileError> {
+        Ok(self.numbers(frame)?.into_iter().map(|number| number as u16).collect())
+    }
+
     fn integers(&self, frame: FieldFrame) -> Result<Vec<i16>, FileError> {
         Ok(self.numbers(frame)?.into_iter().map(|number| number as i16).collect())
     }

@@ -165,10 +165,11 @@ fn examples(landscape: &Landscape, weather: &Weather, models: &[FuelModel]) -> O
         return Some(vec![0; models.len()]);
     }
     let mut first = [None; 256];
-    let kind = |index: usize| (zones.map(|zones| zones.of_cell[index]), landscape.rate_factors.get(index));
     for (index, &number) in landscape.fuel.iter().enumerate() {
         let example = *first[usize::from(number)].get_or_insert(index);
-        if kind(example) != kind(index) && landscape.fuel_model(number).is_some_and(FuelModel::burns) {
+        let is_alike = zones.is_none_or(|zones| zones.of_cell[example] == zones.of_cell[index])
+            && landscape.rate_factors.get(example) == landscape.rate_factors.get(index);
+        if !is_alike && landscape.fuel_model(number).is_some_and(FuelModel::burns) {
             return None;
         }
     }
@@ -344,11 +345,13 @@ impl Rates {
         let rules = self.rules;
         let index = self.landscape.frame.index(cell);
         let crown = self.crown_fire(interval, fuel, cell).zip(rules.crowns);
-        let fire = crown.map(|(fire, crowns)| fire.spreading(crowns.method)).unwrap_or_else(|| {
+        let fire = if let Some((fire, crowns)) = crown {
+            fire.spreading(crowns.method)
+        } else {
             let gradient = self.landscape.gradient(cell);
             let midflame = self.adjustments[usize::from(fuel)] * self.weather.in_cell(interval, index).wind_mps;
             self.bed(interval, fuel, index).behavior(midflame, gradient, &rules.options)
-        });
+        };
         Spreading::new(&fire, self.landscape.rate_factor(index))
     }
 
