@@ -150,14 +150,14 @@ impl ImportedMoisture {
     pub fn describe(&self, cells: usize) -> Vec<String> {
         let mut notes = Vec::new();
         let mut ranges = Vec::new();
-        let by = match self {
+        let (by, count) = match self {
             Self::Models(models) => {
                 for class in 0..MOISTURE_CLASSES.len() {
                     let of_class = models.iter().map(|&(_, mut moisture)| *parts(&mut moisture)[class]);
                     // Rounded, as a hundredth of a percent has no exact number.
                     ranges.extend(PercentRange::new(class, of_class.map(|part| (1e6 * part).round() / 1e4)));
                 }
-                format!("{} fuel models", models.len())
+                ("fuel model", format!("{} fuel models", models.len()))
             }
             Self::Rasters(rasters) => {
                 for (class, packed) in rasters {
@@ -174,13 +174,19 @@ impl ImportedMoisture {
                     )
                 }));
                 let zones = PercentLayers::new(rasters, cells).and_then(|percents| percents.zones(cells));
-                format!("{} zones", zones.map_or(0, |zones| zones.moistures.len()))
+                ("place", format!("{} zones", zones.map_or(0, |zones| zones.moistures.len())))
             }
         };
-        let ranges: Vec<String> =
-            ranges.iter().map(|PercentRange { name, min, max }| format!("{name} {min} to {max} %")).collect();
+        let ranges: Vec<String> = ranges
+            .iter()
+            .map(
+                |PercentRange { name, min, max }| {
+                    if min == max { format!("{name} {min} %") } else { format!("{name} {min} to {max} %") }
+                },
+            )
+            .collect();
         let ranges = if ranges.is_empty() { "no class".to_owned() } else { ranges.join(", ") };
-        notes.insert(0, format!("Moisture by place: {ranges}; {by}."));
+        notes.insert(0, format!("Moisture by {by} instead: {ranges}; {count}."));
         notes
     }
 }
@@ -520,7 +526,7 @@ mod tests {
         // The south row first; water is like grass.
         assert_eq!(d1(&scenario, 1), [0.045, 0.045, 0.08, 0.08, 0.045, 0.045, 0.08, 0.08]);
         let text = folder.checked(by_fuel);
-        assert!(text.contains("Moisture by place: d1 4.5 to 8 %, d10 7 to 9 %,"), "{text}");
+        assert!(text.contains("Moisture by fuel model instead: d1 4.5 to 8 %, d10 7 to 9 %,"), "{text}");
         let by_place = "moisture_rasters = { d1 = \"d1.asc\", herb = \"share.asc\" }";
         let scenario = folder.load(by_place).expect("it is right");
         assert_eq!(d1(&scenario, 1), [0.08, 0.08, 0.1, 0.11, 0.04, 0.05, 0.06, 0.07]);
