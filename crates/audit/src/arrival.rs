@@ -9,8 +9,9 @@
 //!   its part of the length. What cannot burn blocks it, and so do two such cells at a corner that it goes through.
 //! - Between two neighbours whose directions are next to each other time is taken to be linear. The least of its value and
 //!   of the way from there is on the wave through both, at right angles to it in the metric of the ellipse.
-//! - Where only the wind differs from place to place, a line of up to three columns and rows over one fuel takes the mean of the
-//!   times that the weather at its two ends gives.
+//! - Where only the wind differs from place to place among the cells of a fuel, a line of up to three columns and rows over one
+//!   fuel takes the mean of the times that the weather at its two ends gives.
+//! - Moistures and factors on the rate of spread that differ from place to place are those of each cell.
 //! - A cell that did not catch fire from another one sends fire straight to all cells within three, over one fuel.
 //! - Over a cell that is wet, or was put out and may burn again, a way begins when that is over, and only if the cell
 //!   where it begins flames still; it takes no part in what comes from between.
@@ -291,13 +292,15 @@ pub struct Arrivals<'a> {
     /// By interval of the weather: the place of its lines among all that there are.
     set_of: Vec<usize>,
     sets: Vec<LineSet>,
-    /// By interval of the weather and by fuel.
+    /// By interval of the weather and by fuel, where moisture is everywhere the same.
     beds: Vec<Vec<FuelBed>>,
     /// Fuel model 10 by interval, where there are trees.
     crown_beds: Vec<FuelBed>,
+    /// By fuel: a cell of it.
+    cell_of: Vec<usize>,
     /// On a plane without trees: by interval, fuel and line, the disc after the others.
     plane: Vec<Vec<(Ellipse, Vec<f64>)>>,
-    /// True if only the wind differs from place to place: on a plane without trees.
+    /// True if only the wind differs from place to place among the cells of a fuel: on a plane without trees.
     is_smooth: bool,
     /// Elsewhere, for a part of the cells and intervals: which, and its ellipse.
     kept: Vec<(u64, Ellipse)>,
@@ -321,6 +324,15 @@ impl<'a> Arrivals<'a> {
             .collect();
         let has_trees = landscape.canopy.is_some() && rules.crowns.is_some();
         let with_trees = weather.intervals().iter().filter(|_| has_trees);
+        let mut cell_of = vec![0; models.len()];
+        for (index, fuel) in fuel.iter().enumerate() {
+            fuel.iter().for_each(|&fuel| cell_of[usize::from(fuel)] = index);
+        }
+        let is_by_fuel = weather.moisture_zones().is_none() && landscape.rate_factors.is_empty()
+            || (fuel.iter().enumerate()).all(|(index, fuel)| {
+                fuel.is_none_or(|fuel| is_alike([index, cell_of[usize::from(fuel)]], landscape, weather))
+            });
+        let has_local_wind = weather.wind_fields().iter().any(Option::is_some);
         let mut arrivals = Self {
             frame,
             landscape,
@@ -335,13 +347,14 @@ impl<'a> Arrivals<'a> {
             sets: Vec::new(),
             beds,
             crown_beds: with_trees.map(|interval| model_10(&interval.moisture, rules.options.curing)).collect(),
+            cell_of,
             plane: Vec::new(),
-            is_smooth: weather.is_local() && matches!(landscape.relief, Relief::Plane(_)) && !has_trees,
+            is_smooth: has_local_wind && is_by_fuel && matches!(landscape.relief, Relief::Plane(_)) && !has_trees,
             kept: Vec::new(),
         };
         let plane = if let Relief::Plane(gradient) = landscape.relief { Some(gradient) } else { None };
-        // Trees and winds by place differ from cell to cell, so no table by fuel holds on a plane with them.
-        let plane = plane.filter(|_| !has_trees && !weather.is_local());
+        // Trees and weather by place differ from cell to cell, so no table by fuel holds on a plane with them.
+        let plane = plane.filter(|_| !has_trees && !has_local_wind && is_by_fuel);
         if plane.is_none() {
             // A power of two, so that a place is found by masking.
             let kept = (frame.cell_count() / 4).next_power_of_two().max(MIN_KEPT);
@@ -365,7 +378,8 @@ impl<'a> Arrivals<'a> {
                 // Without refinement no ellipse matters.
                 _ if !self.rules.refined => Vec::new(),
                 Some(gradient) => {
-                    (0..self.models.len()).map(|fuel| self.new_ellipse(interval, fuel, 0, gradient)).collect()
+                    let cells = self.cell_of.iter().enumerate();
+                    cells.map(|(fuel, &index)| self.new_ellipse(interval, fuel, index, gradient)).collect()
                 }
                 // On relief each cell has its own ellipse; a sample decides which directions are worth a line.
                 None => sampled_cells(self.fuel.len()).map(|index| self.ellipse(interval, index)).collect(),
@@ -413,7 +427,7 @@ impl<'a> Arrivals<'a> {
 
     fn on_plane(&self, gradient: DVec2) -> Vec<Vec<(Ellipse, Vec<f64>)>> {
         let of_fuel = |interval: usize, fuel: usize| {
-            let ellipse = self.new_ellipse(interval, fuel, 0, gradient);
+            let ellipse = self.new_ellipse(interval, fuel, self.cell_of[fuel], gradient);
             let seconds = self.lines.iter().chain(&self.disc).map(|line| ellipse.travel_s(line.v)).collect();
             (ellipse, seconds)
         };
@@ -422,23 +436,40 @@ impl<'a> Arrivals<'a> {
             .collect()
     }
 
-    /// Computes the ellipse of a fuel in the weather of a cell; which one does not matter on a plane.
+    /// Returns the fuel bed of a cell.
+    fn bed(&self, interval: usize, fuel: usize, index: usize) -> FuelBed {
+        match self.weather.moisture_zones() {
+            Some(zones) => FuelBed::new(&self.models[fuel], &zones.at(index), self.rules.options.curing),
+            None => self.beds[interval][fuel],
+        }
+    }
+
+    /// Computes the ellipse of a fuel in the weather of a cell; any cell of the fuel stands for all on a plane.
     fn new_ellipse(&self, interval: usize, fuel: usize, index: usize, gradient: DVec2) -> Ellipse {
         let wind_mps = self.weather.in_cell(interval, index).wind_mps;
         let midflame = twenty_foot_wind(1.0) * unsheltered_adjustment(self.models[fuel].depth_ft) * wind_mps;
-        self.beds[interval][fuel].behavior(midflame, gradient, &self.rules.options).ellipse()
+        let fire = self.bed(interval, fuel, index).behavior(midflame, gradient, &self.rules.options);
+        let rate_mps = fire.rate_mps * self.landscape.rate_factor(index);
+        Ellipse::new(rate_mps, fire.eccentricity, fire.heading, gradient)
     }
 
     /// Returns the ellipse of a cell with trees; `None` where there are none.
     fn below_trees(&self, interval: usize, fuel: usize, cell: Cell, gradient: DVec2) -> Option<Ellipse> {
+        let mut ten = *self.crown_beds.get(interval)?;
+        let trees = self.landscape.canopy(cell)?;
+        let index = self.frame.index(cell);
+        if let Some(zones) = self.weather.moisture_zones() {
+            ten = model_10(&zones.at(index), self.rules.options.curing);
+        }
         let below = UnderCanopy {
-            ground: &self.beds[interval][fuel],
+            ground: &self.bed(interval, fuel, index),
             depth_ft: self.models[fuel].depth_ft,
-            model_10: self.crown_beds.get(interval)?,
-            wind_10m_mps: self.weather.in_cell(interval, self.frame.index(cell)).wind_mps,
+            model_10: &ten,
+            wind_10m_mps: self.weather.in_cell(interval, index).wind_mps,
             gradient,
+            rate_factor: self.landscape.rate_factor(index),
         };
-        Some(crown::ellipse(&self.landscape.canopy(cell)?, &below, &self.rules.options, self.rules.crowns?))
+        Some(crown::ellipse(&trees, &below, &self.rules.options, self.rules.crowns?))
     }
 
     fn ellipse(&mut self, interval: usize, index: usize) -> Ellipse {
@@ -758,9 +789,15 @@ impl<'a> Arrivals<'a> {
     fn flames_at(&self, index: usize, ignited: u64, time: u64) -> bool {
         let (Some(min), Some(fuel)) = (self.rules.burn_out, self.fuel[index]) else { return true };
         let interval = self.weather.interval_at(SimTime::from_nanos(ignited));
-        let residence = SimTime::from_seconds(self.beds[interval][usize::from(fuel)].residence_s());
+        let residence = SimTime::from_seconds(self.bed(interval, usize::from(fuel), index).residence_s());
         ignited.saturating_add(min.max(residence).as_nanos()) > time
     }
+}
+
+/// Says whether two cells have the same moisture and the same factor on the rate of spread.
+fn is_alike([one, other]: [usize; 2], landscape: &Landscape, weather: &Weather) -> bool {
+    weather.in_cell(0, one).moisture == weather.in_cell(0, other).moisture
+        && landscape.rate_factor(one) == landscape.rate_factor(other)
 }
 
 /// A time some seconds after another, to the nearest nanosecond.

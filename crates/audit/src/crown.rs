@@ -21,6 +21,8 @@ pub struct UnderCanopy<'a> {
     pub model_10: &'a FuelBed,
     pub wind_10m_mps: DVec2,
     pub gradient: DVec2,
+    /// On the rate of what spreads.
+    pub rate_factor: f64,
 }
 
 /// The part of the wind above trees that is felt at the flames below them (Albini and Baughman, 1979). Trees that fill just
@@ -54,7 +56,12 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
     let critical = ops::pow(0.010 * canopy.base_m.max(0.1) * kilojoules, 1.5);
     // Below Van Wagner's critical intensity the crowns do not catch fire.
     if surface.rate_mps * heat < critical {
-        return surface.ellipse();
+        return Ellipse::new(
+            surface.rate_mps * below.rate_factor,
+            surface.eccentricity,
+            surface.heading,
+            below.gradient,
+        );
     }
     let crown = crown_at(speed);
     // From 3 kg of crowns per square metre and minute a fire runs through them by itself.
@@ -67,7 +74,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
         };
         // Without wind only the slope stretches it, as it does the fire on the ground.
         let ratio = if toward == DVec2::ZERO { surface.length_to_width } else { ratio };
-        return Ellipse::new(crown, (1.0 - 1.0 / (ratio * ratio)).sqrt(), heading, below.gradient);
+        return Ellipse::new(crown * below.rate_factor, (1.0 - 1.0 / (ratio * ratio)).sqrt(), heading, below.gradient);
     }
     let rate = match rules.method {
         CrownMethod::Rothermel => surface.rate_mps,
@@ -89,7 +96,7 @@ pub fn ellipse(canopy: &Canopy, below: &UnderCanopy, options: &SurfaceOptions, r
             surface.rate_mps * (1.0 - burned) + crown * burned
         }
     };
-    Ellipse::new(rate, surface.eccentricity, surface.heading, below.gradient)
+    Ellipse::new(rate * below.rate_factor, surface.eccentricity, surface.heading, below.gradient)
 }
 
 #[cfg(test)]

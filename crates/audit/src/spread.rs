@@ -366,8 +366,8 @@ mod tests {
     use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
     use wildfire_fire::surface::{FuelMoisture, WindLimit};
     use wildfire_fire::{
-        CanopyLayers, FireChange, FireEvent, FireField, Landscape, Relief, SpreadBy, Weather, WeatherInterval,
-        WindField,
+        CanopyLayers, FireChange, FireEvent, FireField, Landscape, MoistureZones, Relief, SpreadBy, Weather,
+        WeatherInterval, WindField,
     };
     use wildfire_timeline::{AgentId, AgentStart, Body, Event, Fact, FireFact, GroundEvent, GroundFact, Rules, sample};
 
@@ -469,6 +469,47 @@ mod tests {
             *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
         }
         setting
+    }
+
+    /// The same with moistures and factors on the rate of spread by cell, or by fuel.
+    fn with_zones(mut setting: Setting, is_by_fuel: bool) -> Setting {
+        if let Some(SpreadSetting::Rothermel { landscape, weather, .. }) = &mut setting.spread {
+            let kind = |index: usize| {
+                let Cell { col, row } = FRAME.cell(index);
+                if is_by_fuel { u16::from(landscape.fuel[index]) } else { col / 5 + row / 8 }
+            };
+            let moistures = (0..FRAME.cell_count()).map(|index| {
+                let moister = f64::from(kind(index) % 4) / 100.0;
+                FuelMoisture { d1: 0.03 + moister, herb: 0.4 + 5.0 * moister, ..FuelMoisture::default() }
+            });
+            let zones = MoistureZones::new(moistures).expect("they are few");
+            let rate_factors = (0..FRAME.cell_count()).map(|index| 600 + 300 * (kind(index) % 3)).collect();
+            *weather = Arc::new(Weather::clone(weather).with_moisture_zones(zones));
+            *landscape = Arc::new(Landscape { rate_factors, ..Landscape::clone(landscape) });
+        }
+        setting
+    }
+
+    #[test]
+    fn fires_in_zones_are_accepted_and_those_of_other_zones_are_not() {
+        let settings = EmberSettings { per_mj: 0.02, i_min_kw_m: 50.0, p_ign: 1.0, ..EmberSettings::default() };
+        for relief in [Relief::FLAT, Relief::Plane(DVec2::new(0.3, -0.2)), hill()] {
+            for is_by_fuel in [false, true] {
+                let uniform = setting(relief.clone(), Neighbours::ThirtyTwo, true);
+                let trees = with_trees(uniform.clone(), CrownMethod::ScottReinhardt);
+                let windy = with_local_wind(uniform.clone());
+                for other in [uniform, trees, windy] {
+                    let timeline = burn(with_zones(other.clone(), is_by_fuel), acts());
+                    assert!(timeline.ground.len() > 300, "{}", timeline.ground.len());
+                    assert_eq!(audit_spread(&timeline), Ok(()));
+                    assert!(audit_spread(&Timeline { setting: other, ..timeline }).is_err());
+                }
+                let mut spotted = setting(relief.clone(), Neighbours::Eight, false);
+                let Some(SpreadSetting::Rothermel { rules, .. }) = &mut spotted.spread else { unreachable!() };
+                rules.embers = Some(Embers { settings, seed: spotted.seed });
+                assert_eq!(audit_spread(&burn(with_zones(spotted, is_by_fuel), acts())), Ok(()));
+            }
+        }
     }
 
     #[test]

@@ -19,7 +19,16 @@ pub struct Landscape {
     pub canopy: Option<CanopyLayers>,
     /// The models of numbers that no built-in one has.
     pub custom_fuels: CustomFuels,
+    /// By cell index: the factor on the rate of spread, in thousandths; empty if it is 1 everywhere.
+    ///
+    /// It makes fire faster or slower in all directions and changes neither its intensity nor its flames nor how long they
+    /// last, as in FARSITE: there adjustment factors only modify rates of spread (FlamMap's help, "ROS adjustment file").
+    pub rate_factors: Vec<u16>,
 }
+
+/// The parts of a factor on the rate of spread that are stored, and the least and the greatest factor in them.
+pub const RATE_PARTS: f64 = 1000.0;
+pub const RATE_FACTORS: std::ops::RangeInclusive<u16> = 1..=10_000;
 
 /// Trees by cell index, in the units of LANDFIRE's layers CH, CBH, CBD and CC: the heights of the trees and of the
 /// beginning of their crowns in tenths of metres, the bulk density of the crowns in hundredths of kg/m3, and how much of the
@@ -69,7 +78,14 @@ impl Landscape {
     /// Creates flat ground with one fuel everywhere.
     pub fn uniform(frame: FieldFrame, fuel: u8) -> Self {
         let fuel = vec![fuel; frame.cell_count()];
-        Self { frame, fuel, relief: Relief::FLAT, canopy: None, custom_fuels: CustomFuels::default() }
+        let custom_fuels = CustomFuels::default();
+        Self { frame, fuel, relief: Relief::FLAT, canopy: None, custom_fuels, rate_factors: Vec::new() }
+    }
+
+    /// Returns the factor on the rate of spread in a cell.
+    #[inline]
+    pub fn rate_factor(&self, index: usize) -> f64 {
+        self.rate_factors.get(index).map_or(1.0, |&parts| f64::from(parts) / RATE_PARTS)
     }
 
     /// Returns the number of the fuel model of a cell.

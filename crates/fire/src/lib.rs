@@ -30,8 +30,8 @@ use dyn_clone::DynClone;
 use serde::{Deserialize, Serialize};
 
 pub use field::{BushState, BushStateKind, FireField};
-pub use landscape::{CanopyLayers, Landscape, Relief};
-pub use weather::{Weather, WeatherInterval, WeatherTableError, WindField};
+pub use landscape::{CanopyLayers, Landscape, RATE_FACTORS, RATE_PARTS, Relief};
+pub use weather::{MoistureZones, Weather, WeatherInterval, WeatherTableError, WindField};
 
 use wildfire_base::geometry::Cell;
 use wildfire_base::time::SimTime;

@@ -1,5 +1,6 @@
 //! Wind and moisture in the course of a run: a table of intervals, known in advance.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -14,6 +15,45 @@ pub struct Weather {
     intervals: Vec<WeatherInterval>,
     /// By interval, the wind of each cell where it is not everywhere the same; empty if it always is.
     wind_fields: Vec<Option<Arc<WindField>>>,
+    /// The moisture of each cell throughout, where it is not everywhere the same.
+    moisture_zones: Option<Arc<MoistureZones>>,
+}
+
+/// Moistures by place, the same all the time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoistureZones {
+    /// By cell index: the place of its moisture among them.
+    pub of_cell: Vec<u16>,
+    pub moistures: Vec<FuelMoisture>,
+}
+
+impl MoistureZones {
+    /// The most zones: fuel beds are computed for each.
+    pub const MAX: usize = 4096;
+
+    /// Creates the zones of these moistures, by cell index; `None` if they are more than [`Self::MAX`].
+    pub fn new(cells: impl Iterator<Item = FuelMoisture>) -> Option<Self> {
+        let mut moistures = Vec::new();
+        let mut zones = BTreeMap::new();
+        let mut of_cell = Vec::with_capacity(cells.size_hint().0);
+        for moisture in cells {
+            let FuelMoisture { d1, d10, d100, herb, woody } = moisture;
+            let zone = *zones.entry([d1, d10, d100, herb, woody].map(f64::to_bits)).or_insert_with(|| {
+                moistures.push(moisture);
+                moistures.len() - 1
+            });
+            if zone >= Self::MAX {
+                return None;
+            }
+            of_cell.push(zone as u16);
+        }
+        Some(Self { of_cell, moistures })
+    }
+
+    /// Returns the moisture of a cell.
+    pub fn at(&self, index: usize) -> FuelMoisture {
+        self.moistures[usize::from(self.of_cell[index])]
+    }
 }
 
 /// Wind at 10 m by cell index, in whole hundredths of m/s, so that every machine and recording has the same bits.
@@ -112,7 +152,7 @@ impl Weather {
             let (from, before, interval) = (intervals[before + 1].from, intervals[before].from, before + 1);
             return Err(WeatherTableError::OutOfOrder { interval, from, before });
         }
-        Ok(Self { intervals, wind_fields: Vec::new() })
+        Ok(Self { intervals, wind_fields: Vec::new(), moisture_zones: None })
     }
 
     /// Adds the wind by place of each interval that has one, in their order; the intervals' own winds are then only shown.
@@ -121,6 +161,31 @@ impl Weather {
         assert_eq!(fields.len(), self.intervals.len(), "one place for each interval");
         let wind_fields = if fields.iter().any(Option::is_some) { fields } else { Vec::new() };
         Self { wind_fields, ..self }
+    }
+
+    /// Sets the moisture by place, in place of those of the intervals. One zone is a moisture that is everywhere the same.
+    #[must_use]
+    pub fn with_moisture_zones(mut self, zones: MoistureZones) -> Self {
+        if let [everywhere] = zones.moistures[..] {
+            self.intervals.iter_mut().for_each(|interval| interval.moisture = everywhere);
+            return self;
+        }
+        self.moisture_zones = Some(Arc::new(zones));
+        self
+    }
+
+    /// Returns the moisture by place; `None` if it is everywhere the same.
+    pub fn moisture_zones(&self) -> Option<&Arc<MoistureZones>> {
+        self.moisture_zones.as_ref()
+    }
+
+    /// Returns the moistures by place of some cells, each once and in their order; none if moisture is everywhere the same.
+    pub fn moistures_of(&self, cells: impl Iterator<Item = usize>) -> Vec<FuelMoisture> {
+        let Some(zones) = &self.moisture_zones else { return Vec::new() };
+        let mut is_listed = vec![false; zones.moistures.len()];
+        let of_cells = cells.map(|index| usize::from(zones.of_cell[index]));
+        let new = of_cells.filter(|&zone| !std::mem::replace(&mut is_listed[zone], true));
+        new.map(|zone| zones.moistures[zone]).collect()
     }
 
     /// Returns the wind by place of each interval; empty if wind is everywhere the same.
@@ -135,7 +200,7 @@ impl Weather {
 
     /// Says whether weather differs from place to place.
     pub fn is_local(&self) -> bool {
-        !self.wind_fields.is_empty()
+        !self.wind_fields.is_empty() || self.moisture_zones.is_some()
     }
 
     /// Returns the weather of a cell in an interval.
@@ -144,6 +209,9 @@ impl Weather {
         let mut weather = self.intervals[interval];
         if let Some(field) = self.wind_field(interval) {
             weather.wind_mps = field.at(index);
+        }
+        if let Some(zones) = &self.moisture_zones {
+            weather.moisture = zones.at(index);
         }
         weather
     }
@@ -155,7 +223,8 @@ impl Weather {
 
     /// Creates weather that never changes.
     pub fn constant(wind_mps: DVec2, moisture: FuelMoisture) -> Self {
-        Self { intervals: vec![WeatherInterval { from: SimTime::ZERO, wind_mps, moisture }], wind_fields: Vec::new() }
+        let intervals = vec![WeatherInterval { from: SimTime::ZERO, wind_mps, moisture }];
+        Self { intervals, wind_fields: Vec::new(), moisture_zones: None }
     }
 
     /// Returns the intervals, ascending in time.

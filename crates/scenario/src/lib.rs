@@ -55,10 +55,13 @@ pub use site::fuel_name::FuelName;
 pub use site::imported::{ImportedField, MAX_CELLS_A_SIDE, MapError};
 pub use site::landscape::{Barrier, LandscapeSettings};
 pub use site::layers::{ImportedLayers, LayerKind, LayerReader, Weights};
+pub use site::moisture::{
+    ImportedMoisture, MOISTURE_CLASSES, MoistureRasters, MoistureShift, rate_factors, read_rate_factors,
+};
 pub use site::terrain::{Terrain, TerrainError};
 pub use site::tetromino::Shape;
 pub use site::truck_starts::{TRUCK_MARGIN_M, free_start};
-pub use site::weather::{DeadMoisture, MoistureChange, WeatherSettings, weather};
+pub use site::weather::{DeadMoisture, MoistureChange, WeatherSettings, weather, weather_on};
 pub use site::weather_csv::WeatherSample;
 pub use site::wind::{WindChange, WindUnits};
 pub use site::wind_raster::{TimedWindField, WindRasterKind, WindRasters};
@@ -238,7 +241,7 @@ fn changed_unimog((this, other): (&Unimog, &Unimog)) -> Unimog {
 
 ranges! { Scenario {
     duration_s: 0.001..=1e6;
-    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, fuel, landscape, planner, policy, wumpus, unimog,
+    fire, suppression, score, dispatch, sight, traffic, water, line, crew, wind, weather, fuel, barrier, landscape, planner, policy, wumpus, unimog,
 } }
 
 impl Scenario {
@@ -274,6 +277,7 @@ impl Scenario {
         // Before the landscape, whose layers may name custom models.
         let fuels = self.check_fuels()?;
         self.landscape.as_ref().map_or(Ok(()), |landscape| landscape.check(&top.inner("landscape"), &frame, &fuels))?;
+        self.check_zones(&frame, &fuels)?;
         self.check_stops()?;
         self.check_nearest_by_drive()?;
         self.learned.as_ref().map_or(Ok(()), |learned| learned.check(&top.inner("learned")))?;

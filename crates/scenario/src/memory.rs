@@ -35,6 +35,9 @@ const GROUND_BYTES: u64 = 68;
 const FRONT_BYTES: u64 = 31;
 const FRONT_TABLES_BYTES: u64 = 1 << 20;
 
+/// The zone of moisture and the factor of a cell, and what files say of it while these are made.
+const ZONE_BYTES: u64 = 16;
+
 /// The heuristics of a truck's planner before they spread, and its small things.
 const PLANNER_BYTES: u64 = 60_000;
 
@@ -172,7 +175,11 @@ impl MemoryEstimate {
         };
         let field = FieldMeasures { frame, bushes };
         let [terrain, laying] = field.terrain();
-        let fires = field.fires(scenario.fire.model);
+        let has_zones =
+            scenario.local_moisture().is_some() || scenario.barrier.iter().any(|barrier| barrier.factor.is_some());
+        let has_factors = scenario.fire.rothermel.as_ref().is_some_and(|it| !it.imported_factors.is_empty());
+        let zones = if has_zones || has_factors { ZONE_BYTES * field.cells() } else { 0 };
+        let fires = field.fires(scenario.fire.model) + zones;
         let fixed = [("the program", PROGRAM_BYTES), ("the field and its fires", terrain + fires)];
         let agents = scenario.kinds().map(|agents| agents.memory(&field, scenario.duration_s));
         Self::add_up(fixed, laying, agents)

@@ -202,7 +202,7 @@ fn ground_shares(scenario: &Scenario) -> Vec<(AgentId, Vec<f64>)> {
 /// Returns how fire goes over the ground of a run, where it does.
 fn spread_setting(scenario: &Scenario, seed: u64, terrain: &Terrain) -> Option<SpreadSetting> {
     let landscape = terrain.landscape.clone()?;
-    let weather = Arc::new(scenario::weather(scenario, seed));
+    let weather = Arc::new(scenario::weather_on(scenario, seed, &landscape));
     if let Some(rules) = scenario.fire.rothermel_rules(seed) {
         return Some(SpreadSetting::Rothermel { landscape, weather, rules });
     }

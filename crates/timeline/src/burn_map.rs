@@ -142,7 +142,7 @@ impl FireBehavior {
             let Some(SpreadingFire { fire, .. }) = fire else { continue };
             let rate_mps = fire.front_normal_rate_mps(direction);
             let intensity = fire.intensity_kw_m(rate_mps);
-            behavior.rate_m_min[index] = 60.0 * rate_mps;
+            behavior.rate_m_min[index] = 60.0 * rate_mps * landscape.rate_factor(index);
             behavior.intensity_kw_m[index] = intensity;
             behavior.flame_length_m[index] = flame_length_m(intensity);
         }

@@ -10,8 +10,8 @@ use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::SpeedLimits;
 use wildfire_base::vehicle::Dimensions;
 use wildfire_fire::models::{Alexandridis, AlexandridisRules, Rothermel, RothermelRules};
-use wildfire_fire::surface::FuelBed;
-use wildfire_fire::{BushState, FireModel, FireRules, Landscape, Weather};
+use wildfire_fire::surface::{FuelBed, FuelMoisture};
+use wildfire_fire::{BushState, FireModel, FireRules, Landscape, Weather, WeatherInterval};
 
 /// The body of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -126,7 +126,17 @@ pub struct FlamingTimes {
 
 impl FlamingTimes {
     fn new(spread: &SpreadSetting) -> Self {
-        let span = |moisture, number| match spread {
+        // Where moisture differs from place to place they are computed for each cell.
+        let intervals = spread.weather().intervals().iter().filter(|_| spread.weather().moisture_zones().is_none());
+        let spans = intervals.flat_map(|interval: &WeatherInterval| {
+            (0..=u8::MAX).map(move |number| Self::span(spread, &interval.moisture, number))
+        });
+        let spans = spans.collect();
+        Self { spread: spread.clone(), spans }
+    }
+
+    fn span(spread: &SpreadSetting, moisture: &FuelMoisture, number: u8) -> Option<SimTime> {
+        match spread {
             SpreadSetting::Alexandridis { rules, .. } => Some(rules.step),
             SpreadSetting::Rothermel { rules, .. } => {
                 let residence_s = spread
@@ -136,18 +146,18 @@ impl FlamingTimes {
                     .map_or(0.0, |model| FuelBed::new(model, moisture, rules.options.curing).residence_s());
                 rules.burn_out.map(|min| min.max(SimTime::from_seconds(residence_s)))
             }
-        };
-        let intervals = spread.weather().intervals().iter();
-        let spans =
-            intervals.flat_map(|interval| (0..=u8::MAX).map(move |number| span(&interval.moisture, number))).collect();
-        Self { spread: spread.clone(), spans }
+        }
     }
 
     /// Returns the burn-out time of a cell that catches fire at a time; `None` if it burns forever.
     pub fn burns_out_at(&self, cell: Cell, ignited: SimTime) -> Option<SimTime> {
         let interval = self.spread.weather().interval_at(ignited);
-        let number = usize::from(self.spread.landscape().fuel_number(cell));
-        self.spans[interval * (usize::from(u8::MAX) + 1) + number].map(|span| ignited + span)
+        let number = self.spread.landscape().fuel_number(cell);
+        let span = match self.spread.weather().moisture_zones() {
+            Some(zones) => Self::span(&self.spread, &zones.at(self.spread.landscape().frame.index(cell)), number),
+            None => self.spans[interval * (usize::from(u8::MAX) + 1) + usize::from(number)],
+        };
+        span.map(|span| ignited + span)
     }
 }
 

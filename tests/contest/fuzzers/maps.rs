@@ -126,11 +126,13 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
         "ENGLISH\n15 OWN 1.6 0.5 0 0.3 1.4 dynamic 1900 1700 1500 2 20 8000 8000\n",
         "14,OWN,.TRUE.,0.1,0,0,0.2,0,2000,109,30,1800,1500,1,15,8000\n",
     ];
+    const MODELS: &[&str] = &["0 6 7 8 60 90\n142 5.5 7 8 60 90\n", "# model factor\n102 0.5\n145, 2\n"];
     const WIND_LIST: &str = "WINDS_AND_CLOUDS\nMETRIC\n7 1 1200 raster raster\n7 1 1300 raster raster\n";
     const PERIMETER: &str =
         r#"{"type":"Feature","geometry":{"type":"Polygon","coordinates":[[[9,9],[60,9],[60,70],[9,9]]]}}"#;
     let raster = drawn_raster(case);
     let fuels = mutated(&mut case.dice, FUELS, &["METRIC", "static", "1e9", "-1", "nan", "\n"]);
+    let models = mutated(&mut case.dice, MODELS, &["0 ", "1e9", "-1", "nan", "102", "\n"]);
     let list = mutated(&mut case.dice, &[WIND_LIST], &["ENGLISH", "raster", "1e9", "-1", "2400", "\n"]);
     let perimeter = mutated(&mut case.dice, &[PERIMETER], &["[", "]", "Point", "1e9", "-1", "Multi"]);
     let wind = mutated(&mut case.dice, WINDS, &["t_s", ",", "1e9", "-1", "nan", "\n"]);
@@ -144,12 +146,13 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
         ("own.fmd", &fuels),
         ("winds.atm", &list),
         ("perimeter.geojson", &perimeter),
+        ("models.fms", &models),
     ];
     let paths = files.map(|(name, bytes)| case.write(name, bytes).display().to_string());
     case.input = files.map(|(_, bytes)| bytes.as_slice()).concat();
     let key = *one_of(&mut case.dice, &["fuel_map", "elevation", "fuel_map"]);
     let mut changes = vec!["fire.model=rothermel".to_owned()];
-    match below(&mut case.dice, 10) {
+    match below(&mut case.dice, 14) {
         0 => changes.push(format!("fire.rothermel.{key}={}", paths[0])),
         1 => changes.push(format!("wind_file={}", paths[1])),
         2 => changes.push(format!("weather={{ samples = \"{}\" }}", paths[2])),
@@ -159,6 +162,10 @@ pub fn landscape_files(case: &mut Case<'_>) -> Law {
         6 => changes.push(format!("wind=[{{ speed = \"{}\", from = \"{}\" }}]", paths[0], paths[0])),
         7 => changes.push(format!("ignition=[{{ at_s = 1, perimeter = \"{}\" }}]", paths[6])),
         8 => changes.push(format!("barrier=[{{ file = \"{}\" }}]", paths[6])),
+        9 => changes.push(format!("fire.rothermel.moisture_file={}", paths[7])),
+        10 => changes.push(format!("fire.rothermel.adjustment_file={}", paths[7])),
+        11 => changes.push(format!("fire.rothermel.moisture_rasters={{ d1 = \"{0}\", herb = \"{0}\" }}", paths[0])),
+        12 => changes.push(format!("barrier=[{{ file = \"{}\", factor = 0.5 }}]", paths[6])),
         _ => changes.push(format!("ignition=[{{ at_s = 1, random = 2, density = \"{}\" }}]", paths[0])),
     }
     match scenario::load("wumpus-alone", &changes) {

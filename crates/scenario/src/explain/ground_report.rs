@@ -1,15 +1,16 @@
 //! The ground and the weather of a scenario in sentences, for `wildfire check`: what grows, how steep it is, how fast it
 //! would burn, and what looks odd.
 
+use crate::keys::agents::SHOWN_SEED;
 use crate::keys::field::percent;
 use crate::site::weather::{DeadMoisture, describe_wind, thousandths};
-use crate::{FireModelName, LandscapeSettings, Scenario, Terrain};
+use crate::{FireModelName, LandscapeSettings, Scenario, Terrain, weather_on};
 use wildfire_base::geometry::{DVec2, ops};
 use wildfire_fire::fuel::{FuelModel, written_number};
 use wildfire_fire::surface::{
     FuelBed, FuelMoisture, SurfaceFire, SurfaceOptions, twenty_foot_wind, unsheltered_adjustment,
 };
-use wildfire_fire::{Landscape, Relief, Weather};
+use wildfire_fire::{Landscape, RATE_PARTS, Relief, Weather};
 
 /// Fuels that are described one by one; the rest is summed up.
 const SHOWN_FUELS: usize = 6;
@@ -68,6 +69,10 @@ pub fn describe_ground(scenario: &Scenario, terrain: &Terrain) -> Vec<String> {
         listed.push(format!("nothing {} %", percent(empty as f64 / cells)));
     }
     let mut lines = vec![format!("Fuels by share: {}.", listed.join(", ")), describe_relief(landscape)];
+    let factors = landscape.rate_factors.iter().map(|&parts| f64::from(parts) / RATE_PARTS);
+    if let Some((min, max)) = factors.clone().reduce(f64::min).zip(factors.reduce(f64::max)) {
+        lines.push(format!("Factors on the rate of spread from {min} to {max}."));
+    }
     let custom = landscape.custom_fuels.models().iter();
     let custom: Vec<String> = custom.map(|model| format!("{} {}", written_number(model.number), model.code)).collect();
     if !custom.is_empty() {
@@ -165,6 +170,9 @@ pub fn describe_weather(scenario: &Scenario) -> Vec<String> {
     }
     if let Some(settings) = &scenario.fire.rothermel {
         lines.push(format!("Moisture: {}.", describe_moisture(&settings.moisture)));
+        if let Some(imported) = &settings.imported_moisture {
+            lines.extend(imported.describe(scenario.field.frame().cell_count()));
+        }
     }
     let Some(settings) = &scenario.weather else { return lines };
     if let Some(file) = &settings.file {
@@ -207,14 +215,25 @@ fn describe_moisture(moisture: &FuelMoisture) -> String {
     format!("dead fuel {d1}, {d10}, {d100} % (1, 10, 100 h), live herbs {herb} %, live wood {woody} %")
 }
 
-/// The fire of a fuel on level ground in one interval of the weather.
-fn fire_of(model: &FuelModel, weather: &Weather, interval: usize, options: &SurfaceOptions) -> SurfaceFire {
+/// The fire of a fuel on level ground in one interval of the weather, with a moisture of its own where it has one.
+fn fire_of(
+    model: &FuelModel,
+    weather: &Weather,
+    interval: usize,
+    moisture: Option<FuelMoisture>,
+    options: &SurfaceOptions,
+) -> SurfaceFire {
     let interval = &weather.intervals()[interval];
-    let bed = FuelBed::new(model, &interval.moisture, options.curing);
+    let bed = FuelBed::new(model, &moisture.unwrap_or(interval.moisture), options.curing);
     let speed = interval.wind_mps.length();
     let adjusted =
         if speed > 0.0 { twenty_foot_wind(speed) / speed * unsheltered_adjustment(model.depth_ft) } else { 0.0 };
     bed.behavior(interval.wind_mps * adjusted, DVec2::ZERO, options)
+}
+
+/// Returns the moistures by place of a fuel, that of its first cell first; none where moisture is not by place.
+fn moistures_of(landscape: &Landscape, weather: &Weather, number: u8) -> Vec<FuelMoisture> {
+    weather.moistures_of((0..landscape.fuel.len()).filter(|&index| landscape.fuel[index] == number))
 }
 
 /// Describes how fast the main fuels burn on level ground in the first weather of a run.
@@ -233,30 +252,35 @@ pub fn describe_fires(scenario: &Scenario, terrain: &Terrain, weather: &Weather)
     burning
         .take(SHOWN_FIRES)
         .map(|share: FuelShare| {
-            let fire = fire_of(&share.model, weather, 0, &options);
+            let number = share.model.number;
+            let moistures = moistures_of(landscape, weather, number);
+            let fire = fire_of(&share.model, weather, 0, moistures.first().copied(), &options);
+            let first = if moistures.len() > 1 { " in its first cell" } else { "" };
             if fire.rate_mps == 0.0 {
-                return format!("{}: too moist to burn.", share.model.code);
+                return format!("{}{first}: too moist to burn.", share.model.code);
             }
             let intensity = fire.intensity_kw_m(fire.rate_mps);
+            let factor = landscape.fuel.iter().position(|&fuel| fuel == number).map_or(1.0, |it| landscape.rate_factor(it));
             format!(
-                "{}: the head spreads at {} m/min with flames of {} m ({intensity:.0} kW/m), the back at {} m/min.",
+                "{}{first}: the head spreads at {} m/min with flames of {} m ({intensity:.0} kW/m), the back at {} m/min.",
                 share.model.code,
-                digits(60.0 * fire.rate_mps),
+                digits(60.0 * factor * fire.rate_mps),
                 digits(wildfire_fire::surface::flame_length_m(intensity)),
-                digits(60.0 * fire.back_rate_mps())
+                digits(60.0 * factor * fire.back_rate_mps())
             )
         })
         .collect()
 }
 
 /// Adds warnings about a ground and its weather.
-pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, weather: &Weather, found: &mut Vec<String>) {
+pub fn warn_of_ground(scenario: &Scenario, terrain: &Terrain, found: &mut Vec<String>) {
     let Some(landscape) = &terrain.landscape else { return };
     let cells = landscape.fuel.len();
     if let Some(settings) = &scenario.fire.rothermel
         && scenario.fire.model == FireModelName::Rothermel
     {
-        warn_of_moisture(landscape, weather, &settings.options(), found);
+        let weather = weather_on(scenario, SHOWN_SEED, landscape);
+        warn_of_moisture(landscape, &weather, &settings.options(), found);
     }
     let steep = (0..cells).filter(|&index| slope_deg(landscape, index) > STEEP_DEG).count();
     if steep as f64 > RARE * cells as f64 {
@@ -289,7 +313,13 @@ fn warn_of_moisture(landscape: &Landscape, weather: &Weather, options: &SurfaceO
     let burning = fuel_shares(landscape).into_iter().filter(|share| share.model.burns());
     for share in burning.filter(|share| share.cells as f64 > RARE * landscape.fuel.len() as f64) {
         let intervals = weather.intervals();
-        let moist = (0..intervals.len()).find(|&at| fire_of(&share.model, weather, at, options).rate_mps == 0.0);
+        let moistures = moistures_of(landscape, weather, share.model.number);
+        let moist = if moistures.is_empty() {
+            (0..intervals.len()).find(|&at| fire_of(&share.model, weather, at, None, options).rate_mps == 0.0)
+        } else {
+            let mut fires = moistures.iter().map(|it| fire_of(&share.model, weather, 0, Some(*it), options));
+            fires.all(|fire| fire.rate_mps == 0.0).then_some(0)
+        };
         if let Some(at) = moist {
             let since = thousandths(intervals[at].from.as_seconds());
             let code = &share.model.code;

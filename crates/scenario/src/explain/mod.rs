@@ -11,7 +11,9 @@ use crate::keys::field::percent;
 use crate::keys::rules::describe_ignitions;
 use crate::read::load::LoadedScenario;
 use crate::site::landscape::is_bare;
-use crate::{FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, schema, weather};
+use crate::{
+    FireModelName, MemoryEstimate, MemoryLimit, MemoryPart, Scenario, Terrain, bytes_text, schema, weather_on,
+};
 use ground_report::{describe_fires, describe_ground, describe_weather};
 use warnings::warnings;
 use wildfire_base::document::{Block, Document, WIDTH};
@@ -68,11 +70,11 @@ pub fn explain(loaded: &LoadedScenario, limit: MemoryLimit) -> Document {
     };
     document = document.with([Block::Heading(format!("Field of seed {SHOWN_SEED}"))]).with(field);
     if let Ok(terrain) = &terrain
-        && terrain.landscape.is_some()
+        && let Some(landscape) = &terrain.landscape
     {
         document = document.with(section("Ground", describe_ground(scenario, terrain)));
         // Uncertain weather is that of seed 1 too, so that the fires fit the field that is shown.
-        let fires = describe_fires(scenario, terrain, &weather(scenario, SHOWN_SEED));
+        let fires = describe_fires(scenario, terrain, &weather_on(scenario, SHOWN_SEED, landscape));
         if !fires.is_empty() {
             document = document.with(section("Fire on level ground in the first weather", fires));
         }

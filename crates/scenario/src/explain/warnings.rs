@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::ground_report::warn_of_ground;
 use crate::keys::agents::{BlockedStarts, SHOWN_SEED, ScenarioField};
 use crate::keys::dispatch::warn_of_team;
-use crate::{FireModelName, IgnitionCells, Scenario, Terrain, weather};
+use crate::{FireModelName, IgnitionCells, Scenario, Terrain};
 use wildfire_base::geometry::Cell;
 use wildfire_planning::collision::ClearanceField;
 
@@ -23,7 +23,7 @@ pub fn warnings(scenario: &Scenario, terrain: Option<&Terrain>) -> Vec<String> {
     };
     // Without a field of the seed that is shown, only what the file itself says can be doubted.
     if let Some(terrain) = terrain {
-        warn_of_ground(scenario, terrain, &weather(scenario, SHOWN_SEED), &mut found);
+        warn_of_ground(scenario, terrain, &mut found);
         let clearance = Arc::new(ClearanceField::new(terrain.frame, &terrain.occupied));
         let field = ScenarioField { terrain, clearance };
         // A start that every run has to move is no error, but hardly what the author meant.

@@ -4,7 +4,9 @@ use super::error::{Fault, nearest_name};
 use super::path::{FieldPath, PathStep};
 
 /// Values that only loading fills in: no file may have them.
-pub const LOADED: [&str; 14] = [
+pub const LOADED: [&str; 16] = [
+    "fire.rothermel.given_moisture",
+    "fire.rothermel.given_factors",
     "barrier.*.given",
     "ignition.*.inside",
     "given_fuel",

@@ -122,7 +122,8 @@ impl Scenario {
             }
         }
         for (number, barrier) in self.barrier.iter().enumerate() {
-            named.push((TablePath::entry("barrier", number), "fuel".into(), barrier.fuel));
+            let fuel = barrier.fuel.iter();
+            named.extend(fuel.map(|&fuel| (TablePath::entry("barrier", number), "fuel".into(), fuel)));
         }
         for (table, key, fuel) in named {
             if fuel.is_custom() && fuels.model(fuel.number()).is_none() {

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::site::fuel_name::FuelName;
+use crate::site::moisture::{ImportedMoisture, MoistureRasters, RateFactor};
 use wildfire_base::ranges;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
@@ -33,6 +34,23 @@ pub struct RothermelSettings {
     pub uphill_deg: f64,
     /// Moistures of the fuel, as fractions of its dry weight.
     pub moisture: FuelMoisture,
+    /// Moistures by fuel model, in a file of FARSITE (`.fms`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moisture_file: Option<PathBuf>,
+    /// Rasters of moisture in percent, of some classes or all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub moisture_rasters: Option<MoistureRasters>,
+    /// Factors on the rate of spread by fuel model, in a file of FARSITE (`.adj`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adjustment_file: Option<PathBuf>,
+    /// What the files of moisture say. Loading fills it in.
+    #[serde(rename = "given_moisture", skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
+    pub imported_moisture: Option<ImportedMoisture>,
+    /// The factors of the file. Loading fills them in.
+    #[serde(rename = "given_factors", skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip)]
+    pub imported_factors: Vec<RateFactor>,
     pub curing: Curing,
     pub combine: Combine,
     pub wind_limit: WindLimit,
@@ -60,6 +78,11 @@ impl Default for RothermelSettings {
             slope_deg: 0.0,
             uphill_deg: 0.0,
             moisture: FuelMoisture::default(),
+            moisture_file: None,
+            moisture_rasters: None,
+            adjustment_file: None,
+            imported_moisture: None,
+            imported_factors: Vec::new(),
             curing,
             combine,
             wind_limit,

@@ -16,11 +16,13 @@ const FUEL_MAP: &str = "fire.rothermel.fuel_map";
 const SLOPE: &str = "fire.rothermel.slope";
 const ASPECT: &str = "fire.rothermel.aspect";
 const SLOPE_DEG: &str = "fire.rothermel.slope_deg";
+const MOISTURE_FILE: &str = "fire.rothermel.moisture_file";
+const MOISTURE_RASTERS: &str = "fire.rothermel.moisture_rasters";
 
 const STEEPNESS: &str = "each sets the slope of the ground";
 
 /// Values of which a file gives one, and why; `*` stands for any number in a list. A change of one replaces the other.
-const EITHER: [(&[&str], &[&str], &str); 14] = [
+const EITHER: [(&[&str], &[&str], &str); 16] = [
     (&["planner.*.module"], &["planner.*.command"], "each says what plans"),
     (&["policy.*.module"], &["policy.*.command"], "each says what decides"),
     (&["field.pieces"], &["field.coverage"], "each sets the number of bushes"),
@@ -39,6 +41,12 @@ const EITHER: [(&[&str], &[&str], &str); 14] = [
     (&["weather.file"], &["wind", "wind_file"], "each sets the changes of the wind"),
     (&["weather.file"], &["weather.samples"], "each sets the weather of a run"),
     (&["weather.dead_moisture"], &["weather.moisture"], "each sets the moisture of dead fuel"),
+    (&[MOISTURE_FILE], &[MOISTURE_RASTERS], "each sets the moisture of places"),
+    (
+        &[MOISTURE_FILE, MOISTURE_RASTERS],
+        &["weather.moisture", "weather.dead_moisture"],
+        "moisture by place stays the same throughout a run",
+    ),
 ];
 
 /// Values that files beside them decide, and why. A change of a file replaces them; a change of them is refused, as it

@@ -20,6 +20,7 @@ use crate::site::fuel_file::read_fuels;
 use crate::site::geojson;
 use crate::site::imported::json_fault;
 use crate::site::layers::{LayerKind, LayerReader, PackedLayer, Weights};
+use crate::site::moisture::{ImportedMoisture, MOISTURE_CLASSES, read_rate_factors};
 use crate::site::weather_csv::{read_samples, read_wind};
 use crate::site::wind_raster::{WindRasterKind, WindRasters, read_wind_list};
 use crate::{Field, IgnitionCells, ImportedField, ImportedLayers, Scenario};
@@ -170,6 +171,7 @@ impl WrittenScenario<'_> {
         self.load_barriers(&mut scenario)?;
         self.place_starts(written, &mut scenario);
         self.load_weather(&mut scenario)?;
+        self.load_zones(&mut scenario)?;
         self.load_densities(&mut scenario)?;
         self.find_files(&mut scenario)?;
         // Values are checked only now, as files give some that have ranges too.
@@ -345,6 +347,7 @@ impl WrittenScenario<'_> {
         for (number, barrier) in scenario.barrier.iter_mut().enumerate() {
             let entry = FieldPath(vec![PathStep::key("barrier"), PathStep::Index(number)]);
             let path = entry.join(PathStep::key("file"));
+            barrier.fill_in_fuel();
             barrier.covered = Some(self.read_shapes(&path, &barrier.file, geojson::covered_cells, &frame, layers)?);
         }
         Ok(())
@@ -372,6 +375,46 @@ impl WrittenScenario<'_> {
         })?;
         let cells = cells.map_err(|message| self.rule(path, format!("{}: {message}", file.display())))?;
         Ok(PackedLayer::from_bytes(&cells))
+    }
+
+    /// Reads moistures by place and factors on the rate of spread.
+    fn load_zones(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {
+        let frame = scenario.field.frame();
+        let fuels = scenario.custom_fuels();
+        let layers = scenario.landscape.as_ref().and_then(|landscape| landscape.imported.as_ref());
+        // A field of an impossible size is refused later.
+        let has_size = (1..=MAX_RASTER_CELLS).contains(&frame.cell_count());
+        let Some(settings) = scenario.fire.rothermel.as_mut().filter(|_| has_size) else { return Ok(()) };
+        if let Some(file) = &settings.adjustment_file {
+            let path = FieldPath::parse("fire.rothermel.adjustment_file");
+            let factors = read_rate_factors(&self.file(&path, file));
+            settings.imported_factors = factors.map_err(|message| self.rule(&path, message))?;
+        }
+        if let Some(file) = &settings.moisture_file {
+            let path = FieldPath::parse("fire.rothermel.moisture_file");
+            let moisture = ImportedMoisture::read_models(&self.file(&path, file));
+            settings.imported_moisture = Some(moisture.map_err(|message| self.rule(&path, message))?);
+        }
+        if let Some(rasters) = &settings.moisture_rasters {
+            let path = FieldPath::parse("fire.rothermel.moisture_rasters");
+            let classes = (0_u8..).zip(MOISTURE_CLASSES).zip(rasters.files());
+            let files: Vec<_> = classes
+                .filter_map(|((class, (name, _)), file)| {
+                    Some((class, self.file(&path.join(PathStep::key(name)), file?)))
+                })
+                .collect();
+            let moisture = ImportedMoisture::read_rasters(&files, &frame, layers, &fuels);
+            settings.imported_moisture = Some(moisture.map_err(|message| self.rule(&path, message))?);
+        }
+        let has_samples = scenario.weather.iter().flat_map(|weather| &weather.rows).any(|row| row.moisture.is_some());
+        match settings.local_moisture_key() {
+            Some(key) if has_samples => {
+                let path = FieldPath::parse("weather.samples");
+                let message = format!("`weather.samples` has columns of moisture; expected none beside `{key}`");
+                Err(self.rule(&path, message))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn load_weather(&self, scenario: &mut Scenario) -> Result<(), Box<ScenarioError>> {

@@ -14,13 +14,14 @@ use serde::{Deserialize, Serialize};
 use super::features::{BARE, Features, Hill, Patches, River, RiverExclusion, Road, check_hills, hill_elevations};
 use super::fuel_name::FuelName;
 use super::layers::{ImportedLayers, PackedLayer};
+use super::moisture::rate_factors;
 use crate::faults::check::{Check, TablePath};
 use crate::faults::path::PathStep;
 use crate::{FireModelName, Scenario};
 use wildfire_base::geometry::{Cell, DVec2, FieldFrame, compass, ops};
 use wildfire_base::ranges;
 use wildfire_fire::fuel::{CustomFuels, FuelModel};
-use wildfire_fire::{CanopyLayers, Landscape, Relief};
+use wildfire_fire::{CanopyLayers, Landscape, RATE_PARTS, Relief};
 use wildfire_grid::Grid;
 
 /// The most colours of a legend.
@@ -71,17 +72,33 @@ pub struct LandscapeSettings {
 pub struct Barrier {
     /// A GeoJSON file of polygons and lines, in metres of the landscape's rasters or, without any, of the field.
     pub file: PathBuf,
-    /// The fuel of the cells; by default bare ground, over which fire does not spread.
-    #[serde(default = "bare_ground")]
-    pub fuel: FuelName,
+    /// The fuel of the cells; without `factor` by default bare ground, over which fire does not spread.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fuel: Option<FuelName>,
+    /// A factor on the rate of spread in the cells, which otherwise stay as they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
     /// 1 for the cells, 0 for others. Loading fills it in.
     #[serde(rename = "given", default, skip_serializing_if = "Option::is_none")]
     #[schemars(skip)]
     pub covered: Option<PackedLayer>,
 }
 
-fn bare_ground() -> FuelName {
-    FuelName::from_code("NB9")
+ranges! { Barrier { factor: 0.001..=10.0 } }
+
+impl Barrier {
+    /// Makes it one of bare ground if it is neither of a fuel nor of a factor.
+    pub(crate) fn fill_in_fuel(&mut self) {
+        if self.factor.is_none() {
+            self.fuel.get_or_insert(FuelName::from_code("NB9"));
+        }
+    }
+
+    /// Says of each cell whether it is covered; empty if the file has not been read.
+    fn cells(&self, frame: &FieldFrame) -> Vec<bool> {
+        let covered = self.covered.as_ref().and_then(|it| it.bytes(frame.cell_count())).unwrap_or_default();
+        covered.into_iter().map(|covered| covered == 1).collect()
+    }
 }
 
 impl Default for LandscapeSettings {
@@ -190,10 +207,10 @@ pub fn cover(scenario: &Scenario, seed: u64, frame: &FieldFrame) -> Result<Optio
     let roads = settings.imported_roads.as_ref().and_then(|roads| roads.bytes(frame.cell_count())).unwrap_or_default();
     fuel.iter_mut().zip(roads).filter(|&(_, road)| road == 1).for_each(|(fuel, _)| *fuel = BARE);
     for barrier in &scenario.barrier {
-        let covered = barrier.covered.as_ref().and_then(|it| it.bytes(frame.cell_count())).unwrap_or_default();
+        let Some(built) = barrier.fuel else { continue };
         // Where nothing is known of the ground, nothing is built either.
-        let covered = fuel.iter_mut().zip(covered).filter(|(fuel, is_covered)| *is_covered == 1 && **fuel != 0);
-        covered.for_each(|(fuel, _)| *fuel = barrier.fuel.number());
+        let covered = fuel.iter_mut().zip(barrier.cells(frame)).filter(|(fuel, is_covered)| *is_covered && **fuel != 0);
+        covered.for_each(|(fuel, _)| *fuel = built.number());
     }
     Ok(Some(fuel))
 }
@@ -226,7 +243,26 @@ pub fn ground(scenario: &Scenario, seed: u64, frame: FieldFrame, mut fuel: Vec<u
     });
     let relief = relief(scenario, settings, seed, &frame);
     let custom_fuels = scenario.custom_fuels();
-    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels }, blocked }
+    let rate_factors = factors(scenario, &frame, &fuel);
+    Ground { landscape: Landscape { frame, fuel, relief, canopy, custom_fuels, rate_factors }, blocked }
+}
+
+/// Returns the factors on the rate of spread, of fuels and of places; of places that lie on each other the last counts.
+fn factors(scenario: &Scenario, frame: &FieldFrame, fuel: &[u8]) -> Vec<u16> {
+    let Some(settings) = scenario.fire.rothermel.as_ref().filter(|_| scenario.fire.model == FireModelName::Rothermel)
+    else {
+        return Vec::new();
+    };
+    let mut of_cell = Vec::new();
+    for (barrier, factor) in scenario.barrier.iter().filter_map(|barrier| Some((barrier, barrier.factor?))) {
+        of_cell.resize(fuel.len(), RATE_PARTS as u16);
+        let covered = of_cell.iter_mut().zip(barrier.cells(frame)).filter(|(_, is_covered)| *is_covered);
+        covered.for_each(|(parts, _)| *parts = (RATE_PARTS * factor).round() as u16);
+    }
+    if of_cell.is_empty() && settings.imported_factors.is_empty() {
+        return Vec::new();
+    }
+    rate_factors(fuel, &settings.imported_factors, &of_cell)
 }
 
 fn relief(scenario: &Scenario, settings: &LandscapeSettings, seed: u64, frame: &FieldFrame) -> Relief {

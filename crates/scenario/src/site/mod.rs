@@ -7,6 +7,7 @@ pub mod geojson;
 pub mod imported;
 pub mod landscape;
 pub mod layers;
+pub mod moisture;
 pub mod terrain;
 pub mod tetromino;
 pub mod truck_starts;

@@ -11,6 +11,7 @@ use rand::{Rng, RngExt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::moisture::MoistureShift;
 use super::weather_csv::WeatherSample;
 use super::wind::{MAX_WIND_MPS, WindChange};
 use crate::Scenario;
@@ -21,7 +22,7 @@ use wildfire_base::ranges;
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
 use wildfire_fire::surface::FuelMoisture;
-use wildfire_fire::{Weather, WeatherInterval, WindField};
+use wildfire_fire::{Landscape, Weather, WeatherInterval, WindField};
 
 /// The driest that dead fuel gets by chance.
 const MIN_MOISTURE: f64 = 0.01;
@@ -138,7 +139,23 @@ impl WeatherSettings {
     }
 }
 
-/// Returns the weather of the run with this seed. Before the first entry of `[[wind]]` the air is calm.
+/// Returns the weather of the run with this seed on its landscape: the same with moisture by place, where files say so.
+pub fn weather_on(scenario: &Scenario, seed: u64, landscape: &Landscape) -> Weather {
+    let weather = weather(scenario, seed);
+    let Some((settings, imported)) = scenario.local_moisture() else { return weather };
+    let shift = scenario.weather.as_ref().map_or(MoistureShift::NONE, |settings| {
+        let mut rng = rng::stream(seed, "weather");
+        settings.draw_row(&mut rng);
+        let [_, _, moister] = [(); 3].map(|()| draw_normal(&mut rng));
+        settings.moisture_shift(moister)
+    });
+    match imported.zones(landscape, settings.moisture, shift) {
+        Some(zones) => weather.with_moisture_zones(zones),
+        None => weather,
+    }
+}
+
+/// Returns the weather of the run with this seed, moisture by place aside. Before the first entry of `[[wind]]` the air is calm.
 pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
     let mut winds = scenario.wind.clone();
     let usual = scenario.fire.rothermel.as_ref().map_or_else(FuelMoisture::default, |settings| settings.moisture);
@@ -165,14 +182,8 @@ pub fn weather(scenario: &Scenario, seed: u64) -> Weather {
         }
         change =
             FieldChange { faster_mps: settings.speed_sd_mps * faster, turned_deg: settings.toward_sd_deg * turned };
-        for (_, moisture) in &mut moistures {
-            for dead in [&mut moisture.d1, &mut moisture.d10, &mut moisture.d100] {
-                // This applies only where it is uncertain: a moisture below 1 % that the scenario states must not be raised.
-                if settings.moisture_sd > 0.0 {
-                    *dead = (*dead + settings.moisture_sd * moister).max(MIN_MOISTURE);
-                }
-            }
-        }
+        let shift = settings.moisture_shift(moister);
+        moistures.iter_mut().for_each(|(_, moisture)| *moisture = shift.applied_to(*moisture));
     }
     let weather = table(&winds, &moistures);
     if winds.iter().all(|wind| wind.imported.is_none()) {
@@ -215,6 +226,14 @@ impl FieldChange {
 }
 
 impl WeatherSettings {
+    fn moisture_shift(&self, moister: f64) -> MoistureShift {
+        if self.moisture_sd > 0.0 {
+            MoistureShift { moister: self.moisture_sd * moister, min: MIN_MOISTURE }
+        } else {
+            MoistureShift::NONE
+        }
+    }
+
     fn draw_row(&self, rng: &mut impl Rng) -> Option<&WeatherSample> {
         if self.rows.is_empty() { None } else { Some(&self.rows[rng.random_range(0..self.rows.len() as u32) as usize]) }
     }

@@ -5,6 +5,7 @@
 //! one, in metres from its south-west corner. Between the middles of their cells wind is bilinear in its two components, as a
 //! mean of directions would turn the wrong way round at north.
 
+use std::ops::{Add, Div, Mul};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -109,45 +110,12 @@ impl WindRasters<'_> {
                 })
             })
             .collect();
-        let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
-        // Without a layer of fuel, every cell is taken to burn.
         let fuel = layers.map(|layers| layers.fuel_or(1));
-        let mut by_cell = Vec::with_capacity(frame.cell_count());
-        for index in 0..frame.cell_count() {
-            let at = corner + frame.centre(frame.cell(index));
-            // In cells of the raster, from the middle of its first one.
-            let place = (at - DVec2::new(first.west_m, first.south_m)) / first.cell_m - DVec2::splat(0.5);
-            // The outermost cells of the field may miss the raster by rounding.
-            let is_inside =
-                |place: f64, count: usize| (-0.5 - ROUNDING..=count as f64 - 0.5 + ROUNDING).contains(&place);
-            if !(is_inside(place.x, first.cols) && is_inside(place.y, first.rows)) {
-                let ends = DVec2::new(first.cols as f64, first.rows as f64) * first.cell_m;
-                return Err(format!(
-                    "{}: it reaches from ({}, {}) to ({}, {}), expected wind for the whole field, which has a cell at ({}, {})",
-                    self.first.display(),
-                    first.west_m,
-                    first.south_m,
-                    first.west_m + ends.x,
-                    first.south_m + ends.y,
-                    at.x,
-                    at.y
-                ));
-            }
-            match bilinear(&winds, [first.cols, first.rows], place) {
-                Some(wind) => by_cell.push(wind),
-                // Nothing burns there, so nobody asks for the wind.
-                None if fuel.as_ref().is_some_and(|fuel| fuel[index] == 0) => by_cell.push(DVec2::ZERO),
-                None => {
-                    return Err(format!(
-                        "{}: found no data at ({}, {}), expected wind in every cell of the field",
-                        self.first.display(),
-                        at.x,
-                        at.y
-                    ));
-                }
-            }
-        }
-        Ok(WindField::new(by_cell.into_iter()))
+        let sampler = RasterSampler { raster: &first, path: self.first, quantity: "wind" };
+        // Where nothing grows nobody asks for the wind.
+        let by_cell =
+            sampler.by_cell(&winds, frame, layers, |index| fuel.as_ref().is_some_and(|fuel| fuel[index] == 0))?;
+        Ok(WindField::new(by_cell.into_iter().map(Option::unwrap_or_default)))
     }
 
     /// Reads one of the two rasters, of two bands that with this number, in m/s or degrees.
@@ -170,15 +138,7 @@ impl WindRasters<'_> {
             }
         };
         let mut raster = band.raster;
-        if let (Some(found), Some(expected)) = (
-            raster.crs.as_ref().and_then(GeoKeys::epsg),
-            layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg),
-        ) && found != expected
-        {
-            return Err(format!(
-                "{name}: it is in the coordinate system EPSG:{found}, expected EPSG:{expected} as in the landscape"
-            ));
-        }
+        check_crs(&raster, layers, path)?;
         let stated = band.unit.as_deref().map(str::trim).filter(|unit| !unit.is_empty());
         let scale = match (quantity, stated) {
             (Quantity::Direction, _) => 1.0,
@@ -222,6 +182,82 @@ impl WindRasters<'_> {
     }
 }
 
+/// Refuses a raster in another coordinate system than the landscape's.
+pub(crate) fn check_crs(raster: &Raster, layers: Option<&ImportedLayers>, path: &Path) -> Result<(), String> {
+    let found = raster.crs.as_ref().and_then(GeoKeys::epsg);
+    let expected = layers.and_then(|layers| layers.crs.as_ref()).and_then(GeoKeys::epsg);
+    match found.zip(expected) {
+        Some((found, expected)) if found != expected => Err(format!(
+            "{}: it is in the coordinate system EPSG:{found}, expected EPSG:{expected} as in the landscape",
+            path.display()
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A raster that is coarser or finer than a field.
+pub(crate) struct RasterSampler<'a> {
+    pub raster: &'a Raster,
+    pub path: &'a Path,
+    /// What its values are, for messages.
+    pub quantity: &'static str,
+}
+
+impl RasterSampler<'_> {
+    /// Returns values of the raster's cells at the cells of a field, between their middles; `None` where there are none, which
+    /// is refused in all cells but those that `may_lack` one.
+    pub fn by_cell<T: Sampled>(
+        &self,
+        values: &[Option<T>],
+        frame: &FieldFrame,
+        layers: Option<&ImportedLayers>,
+        may_lack: impl Fn(usize) -> bool,
+    ) -> Result<Vec<Option<T>>, String> {
+        let Self { raster, quantity, .. } = self;
+        let name = self.path.display();
+        let corner = layers.map_or(DVec2::ZERO, |layers| DVec2::new(layers.west_m, layers.south_m));
+        let mut by_cell = Vec::with_capacity(frame.cell_count());
+        for index in 0..frame.cell_count() {
+            let at = corner + frame.centre(frame.cell(index));
+            // In cells of the raster, from the middle of its first one.
+            let place = (at - DVec2::new(raster.west_m, raster.south_m)) / raster.cell_m - DVec2::splat(0.5);
+            let is_inside =
+                |place: f64, count: usize| (-0.5 - ROUNDING..=count as f64 - 0.5 + ROUNDING).contains(&place);
+            if !(is_inside(place.x, raster.cols) && is_inside(place.y, raster.rows)) {
+                let ends = DVec2::new(raster.cols as f64, raster.rows as f64) * raster.cell_m;
+                return Err(format!(
+                    "{name}: it reaches from ({}, {}) to ({}, {}), expected {quantity} for the whole field, which has a \
+                     cell at ({}, {})",
+                    raster.west_m,
+                    raster.south_m,
+                    raster.west_m + ends.x,
+                    raster.south_m + ends.y,
+                    at.x,
+                    at.y
+                ));
+            }
+            let value = bilinear(values, [raster.cols, raster.rows], place);
+            if value.is_none() && !may_lack(index) {
+                return Err(format!(
+                    "{name}: found no data at ({}, {}), expected {quantity} in every cell of the field",
+                    at.x, at.y
+                ));
+            }
+            by_cell.push(value);
+        }
+        Ok(by_cell)
+    }
+}
+
+/// What can be weighted.
+pub(crate) trait Sampled:
+    Copy + Default + Add<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
+{
+}
+
+impl Sampled for f64 {}
+impl Sampled for DVec2 {}
+
 fn describe_place(raster: &Raster) -> String {
     let Raster { rows, cols, west_m, south_m, cell_m, .. } = raster;
     format!("{rows} rows and {cols} columns of {cell_m} m from ({west_m}, {south_m})")
@@ -259,23 +295,23 @@ impl WindUnits {
     }
 }
 
-/// Returns the wind between four cells, of those that have one; `None` if none has.
-fn bilinear(winds: &[Option<DVec2>], [cols, rows]: [usize; 2], place: DVec2) -> Option<DVec2> {
+/// Returns the value between four cells, of those that have one; `None` if none has.
+fn bilinear<T: Sampled>(values: &[Option<T>], [cols, rows]: [usize; 2], place: DVec2) -> Option<T> {
     let x = place.x.clamp(0.0, (cols - 1) as f64);
     let y = place.y.clamp(0.0, (rows - 1) as f64);
     let col = x as usize;
     let row = y as usize;
     let [beyond_x, beyond_y] = [x - col as f64, y - row as f64];
-    let mut sum = DVec2::ZERO;
-    // Cells without wind leave their weight to the others.
+    let mut sum = T::default();
+    // Cells without a value leave their weight to the others.
     let mut weights = 0.0;
     for (near_row, of_row) in [(row, 1.0 - beyond_y), ((row + 1).min(rows - 1), beyond_y)] {
         for (near_col, of_col) in [(col, 1.0 - beyond_x), ((col + 1).min(cols - 1), beyond_x)] {
             let weight = of_row * of_col;
             if weight > 0.0
-                && let Some(wind) = winds[near_row * cols + near_col]
+                && let Some(value) = values[near_row * cols + near_col]
             {
-                sum += weight * wind;
+                sum = sum + value * weight;
                 weights += weight;
             }
         }

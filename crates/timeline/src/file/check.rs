@@ -11,7 +11,8 @@ use wildfire_base::geometry::{Cell, FieldFrame, Pose};
 use wildfire_base::ranges::{OutOfRange, SettingsTable};
 use wildfire_base::time::SimTime;
 use wildfire_base::trajectory::{Piece, SpeedLimits, Trajectory};
-use wildfire_fire::{Landscape, Relief, WeatherInterval, WindField};
+use wildfire_fire::surface::FuelMoisture;
+use wildfire_fire::{Landscape, MoistureZones, RATE_FACTORS, Relief, WeatherInterval, WindField};
 
 /// The maximum number of cells along a side of the field.
 pub const MAX_SIDE: usize = 4096;
@@ -133,7 +134,17 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
     let weather = spread.weather();
     check_landscape(landscape, frame)?;
     limit("intervals of weather", weather.intervals().len(), MAX_WEATHER)?;
+    let is_weather =
+        |WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval| wind_mps.is_finite() && is_moisture(moisture);
     require(weather.intervals().iter().all(is_weather), || "its weather is not finite".into())?;
+    if let Some(zones) = weather.moisture_zones() {
+        let count = zones.moistures.len();
+        limit("zones of moisture", count, MoistureZones::MAX)?;
+        require(zones.moistures.iter().all(is_moisture), || "its moisture by place is not finite".into())?;
+        let are_zones = zones.of_cell.iter().all(|&zone| usize::from(zone) < count);
+        let fits = are_zones && zones.of_cell.len() == frame.cell_count();
+        require(fits, || "its moisture by place does not fit its field".into())?;
+    }
     // Winds are looked up by the index of a cell, without another test.
     let is_of_field =
         |field: &WindField| field.east.len() == frame.cell_count() && field.north.len() == field.east.len();
@@ -159,9 +170,8 @@ fn check_spread(spread: &SpreadSetting, frame: FieldFrame) -> Result<(), FileErr
     }
 }
 
-fn is_weather(WeatherInterval { wind_mps, moisture, .. }: &WeatherInterval) -> bool {
-    let moistures = [moisture.d1, moisture.d10, moisture.d100, moisture.herb, moisture.woody];
-    wind_mps.is_finite() && moistures.into_iter().all(|part| part.is_finite() && part >= 0.0)
+fn is_moisture(&FuelMoisture { d1, d10, d100, herb, woody }: &FuelMoisture) -> bool {
+    [d1, d10, d100, herb, woody].into_iter().all(|part| part.is_finite() && part >= 0.0)
 }
 
 fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileError> {
@@ -174,6 +184,10 @@ fn check_landscape(landscape: &Landscape, frame: FieldFrame) -> Result<(), FileE
     let is_of_field = landscape.frame == frame && landscape.fuel.len() == cells && reliefs == cells;
     require(is_of_field, || "its landscape does not fit its field".into())?;
     require(is_finite, || "its landscape is not finite".into())?;
+    let factors = &landscape.rate_factors;
+    let are_factors = factors.iter().all(|parts| RATE_FACTORS.contains(parts));
+    let are_possible = are_factors && (factors.is_empty() || factors.len() == cells);
+    require(are_possible, || "its factors on the rate of spread are impossible".into())?;
     // Looked up once for each of 256 numbers, not for each of a million cells.
     let is_valid: Vec<bool> =
         (0..=u8::MAX).map(|number| number == 0 || landscape.fuel_model(number).is_some()).collect();

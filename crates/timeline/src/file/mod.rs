@@ -291,7 +291,7 @@ mod tests {
     use wildfire_fire::models::RothermelRules;
     use wildfire_fire::surface::FuelMoisture;
     use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
-    use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather};
+    use wildfire_fire::{CanopyLayers, Landscape, MoistureZones, Relief, Weather};
 
     fn tiny(events: Vec<Event>) -> Timeline {
         Timeline { setting: sample::small_setting(&[WUMPUS, TRUCK]), events, ground: Vec::new() }
@@ -642,6 +642,48 @@ mod tests {
         rules.crowns = Some(CrownRules { method: CrownMethod::Rothermel, foliar_moisture: 0.9 });
         let bytes = encode(&timeline).expect("it is a possible run");
         assert!(decode(&bytes).expect("it was just written") == timeline && bytes.len() > bare.len());
+    }
+
+    #[test]
+    fn zones_are_kept_and_refused_where_they_are_impossible() {
+        let plain = sample::on_ground();
+        let cells = plain.setting.frame.cell_count();
+        let moisture = |index: usize| FuelMoisture { d1: (index % 5) as f64 / 100.0, ..FuelMoisture::default() };
+        let zones = MoistureZones::new((0..cells).map(moisture)).expect("they are few");
+        let factors: Vec<u16> = (0..cells).map(|index| 500 + index as u16).collect();
+        let with = |zones: Option<MoistureZones>, rate_factors: Vec<u16>| {
+            let mut timeline = plain.clone();
+            let Some(SpreadSetting::Rothermel { landscape, weather, .. }) = &mut timeline.setting.spread else {
+                panic!("the sample burns by Rothermel's equations")
+            };
+            *landscape = Arc::new(Landscape { rate_factors, ..Landscape::clone(landscape) });
+            if let Some(zones) = zones {
+                *weather = Arc::new(Weather::clone(weather).with_moisture_zones(zones));
+            }
+            timeline
+        };
+        for timeline in [
+            with(Some(zones.clone()), factors.clone()),
+            with(None, factors.clone()),
+            with(Some(zones.clone()), Vec::new()),
+        ] {
+            let bytes = encode(&timeline).expect("it is a possible run");
+            assert!(decode(&bytes).expect("it was just written") == timeline);
+        }
+        assert!(encode(&with(None, Vec::new())).expect("as before") == encode(&plain).expect("it is a possible run"));
+        let moist = |d1| vec![FuelMoisture { d1, ..FuelMoisture::default() }; 4097];
+        let wrong = |of_cell: Vec<u16>, moistures| with(Some(MoistureZones { of_cell, moistures }), Vec::new());
+        for run in [
+            wrong(vec![0; cells - 1], zones.moistures.clone()),
+            wrong(vec![5; cells], zones.moistures),
+            wrong(vec![0; cells], moist(f64::NAN)[..2].to_vec()),
+            wrong(vec![0; cells], moist(0.1)),
+            with(None, vec![1000; cells + 1]),
+            with(None, vec![0; cells]),
+            with(None, vec![10_001; cells]),
+        ] {
+            assert!(matches!(encode(&run), Err(FileError::Impossible(_) | FileError::TooLarge { .. })));
+        }
     }
 
     #[test]

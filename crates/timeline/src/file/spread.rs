@@ -16,7 +16,7 @@ use wildfire_fire::fuel::{CustomFuels, FuelModel};
 use wildfire_fire::models::{AlexandridisRules, Density, Neighbours, RothermelRules, Vegetation};
 use wildfire_fire::surface::crown::{CrownMethod, CrownRules};
 use wildfire_fire::surface::{Combine, Curing, FuelMoisture, LengthToWidth, SurfaceOptions, WindLimit};
-use wildfire_fire::{CanopyLayers, Landscape, Relief, Weather, WeatherInterval, WindField};
+use wildfire_fire::{CanopyLayers, Landscape, MoistureZones, Relief, Weather, WeatherInterval, WindField};
 
 const NO_LANDSCAPE: FileError = FileError::Damaged("its landscape does not fit its field");
 const NO_WORD: FileError = FileError::Damaged("a choice of its fire is unknown");
@@ -27,7 +27,8 @@ pub struct GroundSetting {
     /// Index of each blocked cell without a bush, less that of the one before it.
     blocked_steps: Vec<u32>,
     spread: Option<SpreadRecord>,
-    /// What `spread` stands for where that is [`SpreadRecord::Local`]: it follows, so that reading needs no recursion.
+    /// What `spread` stands for where that is [`SpreadRecord::Local`] or [`SpreadRecord::Zoned`]: it follows, so that reading
+    /// needs no recursion.
     #[serde(skip)]
     base: Option<SpreadRecord>,
 }
@@ -47,6 +48,8 @@ enum SpreadRecord {
     RothermelWithTrees(Box<(LandscapeRecord, Vec<IntervalRecord>, RothermelRecord, TreeRecord)>),
     /// What only some landscapes and weathers have; one of the others follows.
     Local(LocalRecord),
+    /// The same, with moistures or factors by place.
+    Zoned(Box<(LocalRecord, ZoneRecord)>),
 }
 
 /// What only some landscapes and weathers have.
@@ -55,6 +58,17 @@ struct LocalRecord {
     custom_fuels: Vec<FuelRecord>,
     /// By interval of the weather, east and north in hundredths of m/s; empty where wind is everywhere the same.
     winds: Vec<Option<[SurfaceRecord; 2]>>,
+}
+
+/// What differs from cell to cell besides the fuel.
+#[derive(Serialize, Deserialize)]
+struct ZoneRecord {
+    /// By zone, in the order of intervals; none where moisture is that of the intervals.
+    moistures: Vec<[f64; 5]>,
+    /// The zone of each cell, if there are some.
+    zones: Option<SurfaceRecord>,
+    /// Thousandths of the factor on the rate of spread, if there is one.
+    factors: Option<SurfaceRecord>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -161,10 +175,13 @@ impl From<&Setting> for GroundSetting {
     fn from(setting: &Setting) -> Self {
         let blocked_steps = steps(setting.frame, &setting.blocked);
         let spread = setting.spread.as_ref().map(SpreadRecord::from);
-        match setting.spread.as_ref().and_then(LocalRecord::new) {
-            Some(local) => Self { blocked_steps, spread: Some(SpreadRecord::Local(local)), base: spread },
-            None => Self { blocked_steps, spread, base: None },
-        }
+        let local = setting.spread.as_ref().map(LocalRecord::new);
+        let record = match local.zip(setting.spread.as_ref().map(ZoneRecord::new)) {
+            Some((local, Some(zones))) => SpreadRecord::Zoned(Box::new((local, zones))),
+            Some((local, None)) if !local.is_empty() => SpreadRecord::Local(local),
+            _ => return Self { blocked_steps, spread, base: None },
+        };
+        Self { blocked_steps, spread: Some(record), base: spread }
     }
 }
 
@@ -201,6 +218,10 @@ impl GroundSetting {
     pub fn spread(&self, frame: FieldFrame) -> Result<Option<SpreadSetting>, FileError> {
         match (&self.spread, &self.base) {
             (Some(SpreadRecord::Local(local)), Some(base)) => local.onto(base.spread(frame)?).map(Some),
+            (Some(SpreadRecord::Zoned(record)), Some(base)) => {
+                let (local, zones) = &**record;
+                zones.onto(local.onto(base.spread(frame)?)?).map(Some)
+            }
             (record, _) => record.as_ref().map(|record| record.spread(frame)).transpose(),
         }
     }
@@ -214,7 +235,7 @@ impl GroundSetting {
     /// Reads it from the front of some bytes.
     pub fn take_from(bytes: &mut &[u8]) -> Result<Self, FileError> {
         let mut setting: Self = take(bytes)?;
-        if matches!(setting.spread, Some(SpreadRecord::Local(_))) {
+        if matches!(setting.spread, Some(SpreadRecord::Local(_) | SpreadRecord::Zoned(_))) {
             setting.base = Some(take(bytes)?);
         }
         Ok(setting)
@@ -243,24 +264,28 @@ impl SpreadRecord {
                 weather: Arc::new(weather_of(weather)?),
                 rules: rules.rules()?,
             }),
-            Self::Local(_) => Err(NO_LANDSCAPE),
+            Self::Local(_) | Self::Zoned(_) => Err(NO_LANDSCAPE),
         }
     }
 }
 
 impl LocalRecord {
-    /// `None` if a landscape and its weather have nothing of the kind.
-    fn new(spread: &SpreadSetting) -> Option<Self> {
+    fn new(spread: &SpreadSetting) -> Self {
         let custom_fuels: Vec<_> = spread.landscape().custom_fuels.models().iter().map(FuelRecord::from).collect();
         let cols = usize::from(spread.landscape().frame.cols);
         let fields = spread.weather().wind_fields().iter();
-        let winds: Vec<_> = fields
+        let winds = fields
             .map(|field| {
                 let WindField { east, north } = field.as_deref()?;
                 Some([east, north].map(|parts| SurfaceRecord::new(cols, parts.iter().map(|&part| f32::from(part)))))
             })
             .collect();
-        (!custom_fuels.is_empty() || !winds.is_empty()).then_some(Self { custom_fuels, winds })
+        Self { custom_fuels, winds }
+    }
+
+    /// Says whether a landscape and its weather have nothing of the kind.
+    fn is_empty(&self) -> bool {
+        self.custom_fuels.is_empty() && self.winds.is_empty()
     }
 
     /// Adds it to the rest of a setting.
@@ -287,6 +312,40 @@ impl LocalRecord {
                 fields.push(field);
             }
             *weather = Arc::new(Weather::clone(weather).with_wind_fields(fields));
+        }
+        Ok(spread)
+    }
+}
+
+impl ZoneRecord {
+    /// `None` if a landscape and its weather have nothing of the kind.
+    fn new(spread: &SpreadSetting) -> Option<Self> {
+        let landscape = spread.landscape();
+        let moisture = spread.weather().moisture_zones();
+        let factors = (!landscape.rate_factors.is_empty())
+            .then(|| SurfaceRecord::of_whole(landscape.frame, &landscape.rate_factors));
+        let zones = moisture.map(|moisture| SurfaceRecord::of_whole(landscape.frame, &moisture.of_cell));
+        let moistures = moisture.iter().flat_map(|moisture| &moisture.moistures);
+        let moistures = moistures.map(|&FuelMoisture { d1, d10, d100, herb, woody }| [d1, d10, d100, herb, woody]);
+        (factors.is_some() || zones.is_some()).then(|| Self { moistures: moistures.collect(), zones, factors })
+    }
+
+    /// Adds it to the rest of a setting; values have not been checked yet.
+    fn onto(&self, mut spread: SpreadSetting) -> Result<SpreadSetting, FileError> {
+        let (SpreadSetting::Rothermel { landscape, weather, .. }
+        | SpreadSetting::Alexandridis { landscape, weather, .. }) = &mut spread;
+        let frame = landscape.frame;
+        if let Some(factors) = &self.factors {
+            let rate_factors = factors.whole(frame)?;
+            *landscape = Arc::new(Landscape { rate_factors, ..Landscape::clone(landscape) });
+        }
+        if let Some(zones) = &self.zones {
+            let of_cell = zones.whole(frame)?;
+            let moistures = self.moistures.iter();
+            let moistures =
+                moistures.map(|&[d1, d10, d100, herb, woody]| FuelMoisture { d1, d10, d100, herb, woody }).collect();
+            let zones = MoistureZones { of_cell, moistures };
+            *weather = Arc::new(Weather::clone(weather).with_moisture_zones(zones));
         }
         Ok(spread)
     }
@@ -407,6 +466,14 @@ impl SurfaceRecord {
 }
 
 impl SurfaceRecord {
+    fn of_whole(frame: FieldFrame, numbers: &[u16]) -> Self {
+        Self::new(frame.cols.into(), numbers.iter().map(|&number| f32::from(number)))
+    }
+
+    fn whole(&self, frame: FieldFrame) -> Result<Vec<u16>, FileError> {
+        Ok(self.numbers(frame)?.into_iter().map(|number| number as u16).collect())
+    }
+
     fn integers(&self, frame: FieldFrame) -> Result<Vec<i16>, FileError> {
         Ok(self.numbers(frame)?.into_iter().map(|number| number as i16).collect())
     }

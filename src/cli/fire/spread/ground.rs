@@ -10,8 +10,11 @@ use crate::cli::map_of::EarthPlace;
 use wildfire_base::geometry::FieldFrame;
 use wildfire_fire::fuel::CustomFuels;
 use wildfire_fire::lone::LoneFire;
-use wildfire_fire::{Landscape, Relief, Weather};
-use wildfire_scenario::{FuelName, ImportedLayers, LayerKind, LayerReader, bytes_text, read_fuels};
+use wildfire_fire::{Landscape, MoistureZones, Relief, Weather};
+use wildfire_scenario::{
+    FuelName, ImportedLayers, LayerKind, LayerReader, MoistureShift, bytes_text, rate_factors, read_fuels,
+    read_rate_factors,
+};
 
 /// Where the ground is read from.
 pub struct GroundSources<'a> {
@@ -28,6 +31,8 @@ pub struct GroundOnEarth {
     pub place: EarthPlace,
     /// Which bands were taken for what.
     pub bands: Vec<String>,
+    /// Moisture by place in a sentence, where files give it.
+    pub moisture: Option<String>,
     /// What of the rasters may have been misread or was left out, in sentences.
     pub doubts: Vec<String>,
 }
@@ -79,17 +84,33 @@ impl<'a> GroundSources<'a> {
         let fuel = layers.as_ref().map(|layers| layers.fuel_or(self.fuel));
         let relief = layers.as_ref().and_then(ImportedLayers::relief);
         let canopy = arguments.canopy.trees(frame.cell_count(), layers.as_ref());
-        let landscape = Landscape {
+        let mut landscape = Landscape {
             frame,
             fuel: fuel.unwrap_or_else(|| vec![self.fuel; frame.cell_count()]),
             relief: relief.unwrap_or_else(|| Relief::Plane(arguments.slope.gradient())),
             canopy,
             custom_fuels: self.custom_fuels.clone(),
+            rate_factors: Vec::new(),
         };
-        let weather = Arc::new(arguments.weather_on(&frame, layers.as_ref())?);
+        if let Some(path) = &arguments.adjustment_file {
+            landscape.rate_factors = rate_factors(&landscape.fuel, &read_rate_factors(path).map_err(refused)?, &[]);
+        }
+        let mut weather = arguments.weather_on(&frame, layers.as_ref())?;
+        let mut moisture = Vec::new();
+        if let Some(imported) = arguments.local_moisture(&landscape, layers.as_ref())? {
+            let zones = imported.zones(&landscape, arguments.moisture, MoistureShift::NONE).ok_or_else(|| {
+                let max = MoistureZones::MAX;
+                refused(format!("--moisture-raster: expected at most {max} different moistures; use coarser values"))
+            })?;
+            weather = weather.with_moisture_zones(zones);
+            moisture = imported.describe(frame.cell_count());
+        }
         let place = layers.as_ref().map_or_else(EarthPlace::default, EarthPlace::from_layers);
-        let (bands, doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
-        Ok(GroundOnEarth { landscape: Arc::new(landscape), weather, place, bands, doubts })
+        let (bands, mut doubts) = layers.map_or_else(Default::default, |layers| (layers.bands, layers.doubts));
+        doubts.extend(moisture.drain(moisture.len().min(1)..));
+        let moisture = moisture.pop();
+        let weather = Arc::new(weather);
+        Ok(GroundOnEarth { landscape: Arc::new(landscape), weather, place, bands, moisture, doubts })
     }
 }
 

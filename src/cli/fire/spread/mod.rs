@@ -28,8 +28,11 @@ use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::time::SimTime;
 use wildfire_fire::models::Neighbours;
 use wildfire_fire::surface::FuelMoisture;
-use wildfire_fire::{Weather, WeatherInterval};
-use wildfire_scenario::{ImportedLayers, MemoryLimit, TimedWindField, WindRasterKind, WindRasters, WindUnits};
+use wildfire_fire::{Landscape, Weather, WeatherInterval};
+use wildfire_scenario::{
+    ImportedLayers, ImportedMoisture, MOISTURE_CLASSES, MemoryLimit, TimedWindField, WindRasterKind, WindRasters,
+    WindUnits,
+};
 
 /// The ranges of sides of a field in cells, of sides of cells in metres, and of times in seconds.
 const SIDES: RangeInclusive<u16> = 1..=4000;
@@ -94,6 +97,15 @@ pub struct SpreadArguments {
         value_parser = moisture
     )]
     pub moisture: FuelMoisture,
+    /// Moistures by fuel model instead: an initial moisture file (.fms) of FARSITE.
+    #[arg(long, value_name = "FILE", conflicts_with = "moisture")]
+    pub moisture_file: Option<PathBuf>,
+    /// A raster of moisture in percent for a class, d1, d10, d100, herb or woody; may be repeated.
+    #[arg(long, value_name = "CLASS=FILE", conflicts_with = "moisture_file", value_parser = moisture_raster)]
+    pub moisture_raster: Vec<(u8, PathBuf)>,
+    /// Factors on the rate of spread by fuel model: an adjustment file (.adj) of FARSITE.
+    #[arg(long, value_name = "FILE")]
+    pub adjustment_file: Option<PathBuf>,
     /// Wind at 10 m above the ground: speed in m/s and the azimuth it blows from, such as 2.5@270, with changes at
     /// later seconds, such as 2.5@270,4800:3@180 [default: none].
     #[arg(long, value_name = "M/S@FROM,SECONDS:M/S@FROM,...", allow_hyphen_values = true, value_parser = wind_steps)]
@@ -168,6 +180,15 @@ fn cell_m(text: &str) -> Result<f64, String> {
 
 fn time_s(text: &str) -> Result<f64, String> {
     numbers::parse_time_within(text, &TIMES_S)
+}
+
+fn moisture_raster(text: &str) -> Result<(u8, PathBuf), String> {
+    let parts = text.split_once('=').filter(|(_, file)| !file.is_empty());
+    let named = parts.and_then(|(name, file)| {
+        let class = MOISTURE_CLASSES.iter().position(|(class, _)| *class == name.trim())?;
+        Some((class as u8, file.into()))
+    });
+    named.ok_or_else(|| "expected a class and a file, such as d1=moisture.tif".to_owned())
 }
 
 fn neighbours(text: &str) -> Result<Neighbours, String> {
@@ -245,6 +266,35 @@ impl SpreadArguments {
         Ok(weather.with_wind_fields(fields.into_iter().map(|it| Some(Arc::new(it.field))).collect()))
     }
 
+    /// Returns the moisture by place that files give; `None` if there are none.
+    fn local_moisture(
+        &self,
+        landscape: &Landscape,
+        layers: Option<&ImportedLayers>,
+    ) -> Result<Option<ImportedMoisture>, CliError> {
+        let fuels = &landscape.custom_fuels;
+        if let Some(file) = &self.moisture_file {
+            let imported = ImportedMoisture::read_models(file).map_err(refused)?;
+            return match imported.missing_model(landscape.fuel.iter().copied(), fuels) {
+                Some(number) => {
+                    let expected = "expected one, as it burns on the landscape, or a line of 0 for all others";
+                    Err(refused(format!("{}: it has no line of fuel model {number}; {expected}", file.display())))
+                }
+                None => Ok(Some(imported)),
+            };
+        }
+        let mut is_named = [false; MOISTURE_CLASSES.len()];
+        for (class, _) in &self.moisture_raster {
+            if std::mem::replace(&mut is_named[usize::from(*class)], true) {
+                let name = MOISTURE_CLASSES[usize::from(*class)].0;
+                return Err(refused(format!("--moisture-raster names {name} twice; expected one raster for a class")));
+            }
+        }
+        let rasters = (!self.moisture_raster.is_empty())
+            .then(|| ImportedMoisture::read_rasters(&self.moisture_raster, &landscape.frame, layers, fuels));
+        rasters.transpose().map_err(refused)
+    }
+
     /// Refuses options of the other model.
     fn check_model(&self) -> Result<(), CliError> {
         let (options, model) = match self.model {
@@ -258,8 +308,13 @@ impl SpreadArguments {
                 let bands = ("--bands", self.bands.is_some());
                 let winds = [("--wind-speed", self.wind_speed.is_some()), ("--wind-list", self.wind_list.is_some())];
                 let outputs = [("--arrival", self.arrival.is_some()), bands, ("--png", self.png.is_some())];
+                let zones = [
+                    ("--moisture-file", self.moisture_file.is_some()),
+                    ("--moisture-raster", !self.moisture_raster.is_empty()),
+                    ("--adjustment-file", self.adjustment_file.is_some()),
+                ];
                 let perimeters = [("--perimeters", self.perimeters.perimeters.is_some())];
-                ([&rasters[..], &trees, &outputs, &perimeters, &winds].concat(), "rothermel")
+                ([&rasters[..], &trees, &outputs, &perimeters, &winds, &zones].concat(), "rothermel")
             }
         };
         // An option without effect would leave its user believing that it was taken into account.

@@ -36,6 +36,9 @@ pub struct SpreadReport {
     /// Codes of fuels that are too wet to burn.
     too_wet: Vec<String>,
     moisture: FuelMoisture,
+    /// Moisture by place, in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    moisture_by_place: Option<String>,
     winds: Vec<WindRow>,
     #[serde(flatten)]
     options: SurfaceOptions,
@@ -123,7 +126,15 @@ impl SpreadReport {
         let options = arguments.choices.options();
         let fuels = shares(landscape);
         let models = landscape.burning_models();
-        let too_wet = models.iter().filter(|model| !FuelBed::new(model, &arguments.moisture, options.curing).burns());
+        let too_wet = models.iter().filter(|model| {
+            let of_fuel = (0..landscape.fuel.len()).filter(|&index| landscape.fuel[index] == model.number);
+            let mut moistures = ground.weather.moistures_of(of_fuel);
+            // Without zones all cells have the moisture of the weather.
+            if moistures.is_empty() {
+                moistures.push(ground.weather.intervals()[0].moisture);
+            }
+            moistures.iter().all(|moisture| !FuelBed::new(model, moisture, options.curing).burns())
+        });
         Self {
             program_version: PROGRAM_VERSION,
             rows: frame.rows,
@@ -134,6 +145,7 @@ impl SpreadReport {
             too_wet: too_wet.map(|model| model.code.to_string()).collect(),
             fuels,
             moisture: arguments.moisture,
+            moisture_by_place: ground.moisture.clone(),
             winds: winds(arguments, &ground.weather),
             options,
             neighbours: arguments.neighbours.into(),
@@ -183,6 +195,7 @@ impl SpreadReport {
             format!("Cells by fuel: {fuels}{more}"),
             format!("Moisture of dead fuel {d1}, {d10} and {d100} %, of live grass {herb} %, of live wood {woody} %"),
         ];
+        lines.extend(self.moisture_by_place.iter().map(|moisture| moisture.trim_end_matches('.').to_owned()));
         if !self.bands.is_empty() {
             lines.insert(1, format!("Layers: {}", self.bands.join("; ")));
         }
@@ -212,7 +225,7 @@ impl SpreadReport {
 
 /// Lists the winds that were given, or those of rasters.
 fn winds(arguments: &SpreadArguments, weather: &Weather) -> Vec<WindRow> {
-    if !weather.is_local() {
+    if weather.wind_fields().is_empty() {
         let winds = arguments.winds().into_iter().map(|WindStep { from, speed_mps, from_deg }| WindRow {
             from_s: from.as_seconds(),
             speed_mps,

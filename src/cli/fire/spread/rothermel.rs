@@ -25,11 +25,18 @@ use wildfire_timeline::{Cause, FireBehavior};
 pub fn run(arguments: &SpreadArguments, quiet: bool) -> Result<(), CliError> {
     let sources = GroundSources::new(arguments)?;
     let inputs = sources.rasters.iter().map(|&(_, path)| path).chain(
-        [&arguments.fuel_models, &arguments.wind_speed, &arguments.wind_from, &arguments.wind_list]
-            .into_iter()
-            .filter_map(|file| file.as_deref()),
+        [
+            &arguments.fuel_models,
+            &arguments.wind_speed,
+            &arguments.wind_from,
+            &arguments.wind_list,
+            &arguments.moisture_file,
+            &arguments.adjustment_file,
+        ]
+        .into_iter()
+        .filter_map(|file| file.as_deref()),
     );
-    let inputs = inputs.collect();
+    let inputs = inputs.chain(arguments.moisture_raster.iter().map(|(_, path)| path.as_path())).collect();
     let format = raster_format(arguments.arrival.as_deref());
     let times_s = arguments.perimeters.times_s(arguments.duration)?;
     let stream = Files { inputs, form: arguments.form, ..Files::default() }

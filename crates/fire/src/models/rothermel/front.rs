@@ -319,7 +319,7 @@ impl Front {
             return self.rules.burn_out;
         }
         let interval = self.rates.weather().interval_at(SimTime::from_nanos(time));
-        self.rates.flaming(interval, fuel)
+        self.rates.flaming(interval, fuel, cell)
     }
 
     /// Returns the horizontal way by which a front has just come to a cell; `None` if it is set on fire otherwise.

@@ -1,7 +1,8 @@
 //! The rates of spread of every cell in every interval of the weather.
 //!
 //! Fuel beds are computed once for each fuel and interval. On a plane that gives all ellipses; where every cell has a slope
-//! or a wind of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size.
+//! or a wind of its own, ellipses are computed as the fire comes to them and kept for a while, in a table of bounded size. So
+//! are fuel beds where moisture differs from place to place.
 
 use std::sync::Arc;
 
@@ -23,6 +24,9 @@ const CELLS_PER_KEPT: usize = 8;
 const CELLS_PER_KEPT_IN_WIND: usize = 4;
 const MIN_KEPT: usize = 4096;
 
+/// Fuel beds that are kept where moisture differs from place to place.
+const KEPT_BEDS: usize = 4096;
+
 /// The ellipse of a fire's spread in horizontal metres: `s |v'| - b.v` seconds along v, where v' is v lifted onto the
 /// slope, `s = 1 / (R (1 - e))` and b is `s e` times the heading, as it acts on horizontal vectors.
 #[derive(Clone, Copy, Debug)]
@@ -34,13 +38,10 @@ pub struct Spreading {
 }
 
 impl Spreading {
-    fn new(bed: &FuelBed, adjustment: f64, wind_mps: DVec2, gradient: DVec2, rules: &RothermelRules) -> Self {
-        Self::from_fire(&bed.behavior(adjustment * wind_mps, gradient, &rules.options))
-    }
-
-    fn from_fire(fire: &SurfaceFire) -> Self {
+    /// Creates the ellipse of a fire whose rates are multiplied by a factor.
+    fn new(fire: &SurfaceFire, rate_factor: f64) -> Self {
         let gradient = fire.gradient;
-        let slowness = 1.0 / (fire.rate_mps * (1.0 - fire.eccentricity));
+        let slowness = 1.0 / (rate_factor * fire.rate_mps * (1.0 - fire.eccentricity));
         if !slowness.is_finite() {
             return Self { slowness: f64::INFINITY, drift: DVec2::ZERO, gradient };
         }
@@ -150,6 +151,29 @@ pub struct Rates {
     crown_beds: Vec<(FuelBed, Option<f64>)>,
     /// By a part of cell and interval, where every cell has its own gradient, trees or weather.
     kept: Vec<(u64, Spreading)>,
+    /// By a part of zone and fuel, [`BARRIER`] for fuel model 10, where moisture differs from place to place.
+    zone_beds: Vec<(u32, FuelBed)>,
+    /// By fuel, a cell that stands for all of them on a plane.
+    examples: Vec<usize>,
+    smooth_gradient: Option<DVec2>,
+}
+
+/// Returns a cell of each fuel if all cells of a fuel have the same moisture and the same factor on the rate of spread.
+fn examples(landscape: &Landscape, weather: &Weather, models: &[FuelModel]) -> Option<Vec<usize>> {
+    let zones = weather.moisture_zones();
+    if zones.is_none() && landscape.rate_factors.is_empty() {
+        return Some(vec![0; models.len()]);
+    }
+    let mut first = [None; 256];
+    for (index, &number) in landscape.fuel.iter().enumerate() {
+        let example = *first[usize::from(number)].get_or_insert(index);
+        let is_alike = zones.is_none_or(|zones| zones.of_cell[example] == zones.of_cell[index])
+            && landscape.rate_factors.get(example) == landscape.rate_factors.get(index);
+        if !is_alike && landscape.fuel_model(number).is_some_and(FuelModel::burns) {
+            return None;
+        }
+    }
+    Some(models.iter().map(|model| first[usize::from(model.number)].unwrap_or(0)).collect())
 }
 
 impl Rates {
@@ -164,17 +188,40 @@ impl Rates {
         let with_crowns = weather.intervals().iter().filter(|_| has_crowns);
         let crown_beds =
             with_crowns.map(|interval| (model_10(&interval.moisture, rules.options.curing), None)).collect();
+        let examples = examples(&landscape, &weather, &models);
+        let has_local_wind = !weather.wind_fields().is_empty();
+        let smooth_gradient = match landscape.relief {
+            Relief::Plane(gradient) if !has_crowns && has_local_wind && examples.is_some() => Some(gradient),
+            _ => None,
+        };
         let kept = match landscape.relief {
-            Relief::Plane(_) if !has_crowns && !weather.is_local() => 0,
+            Relief::Plane(_) if !has_crowns && !has_local_wind && examples.is_some() => 0,
             // A power of two, so that a place in the cache is found by masking.
             // A field without relief has room for more of them.
-            Relief::Plane(_) => (landscape.fuel.len() / CELLS_PER_KEPT_IN_WIND).next_power_of_two().max(MIN_KEPT),
+            Relief::Plane(_) if has_local_wind => {
+                (landscape.fuel.len() / CELLS_PER_KEPT_IN_WIND).next_power_of_two().max(MIN_KEPT)
+            }
             _ => (landscape.fuel.len() / CELLS_PER_KEPT).next_power_of_two().max(MIN_KEPT),
         };
         let kept = vec![(u64::MAX, nothing); kept];
         let beds = vec![None; intervals];
         let plane = vec![None; intervals];
-        Self { landscape, weather, rules, models, adjustments, beds, plane, crown_beds, kept }
+        let zone_beds = Vec::new();
+        let examples = examples.unwrap_or_default();
+        Self {
+            landscape,
+            weather,
+            rules,
+            models,
+            adjustments,
+            beds,
+            plane,
+            crown_beds,
+            kept,
+            zone_beds,
+            examples,
+            smooth_gradient,
+        }
     }
 
     pub fn weather(&self) -> &Weather {
@@ -186,35 +233,36 @@ impl Rates {
         self.models.iter().position(|model| model.number == number).map_or(BARRIER, |fuel| fuel as u8)
     }
 
-    /// Says whether all cells of a fuel burn alike: on a plane, without trees.
+    /// Says whether all cells of a fuel burn alike: on a plane, without trees, in one moisture and with one factor.
     pub fn is_plane(&self) -> bool {
         // `new` makes a cache everywhere else.
         self.kept.is_empty()
     }
 
-    /// Returns the gradient of a plane without trees on which wind differs from place to place: what burns there changes little
-    /// from cell to cell. `None` elsewhere.
+    /// Returns the gradient of a plane without trees on which only wind differs from place to place among the cells of a fuel:
+    /// what burns there changes little from cell to cell. `None` elsewhere.
     #[inline]
     pub fn smooth_gradient(&self) -> Option<DVec2> {
-        match self.landscape.relief {
-            Relief::Plane(gradient) if self.crown_beds.is_empty() && self.weather.is_local() => Some(gradient),
-            _ => None,
-        }
+        self.smooth_gradient
     }
 
     /// Returns the fire of a cell with trees; `None` where there are none.
     pub fn crown_fire(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<CrownFire> {
-        let (model_10, rate_mps) = *self.crown_beds.get(interval)?;
+        let (mut model_10, rate_mps) = *self.crown_beds.get(interval)?;
         let canopy = self.landscape.canopy(cell)?;
         let crowns = self.rules.crowns?;
         let options = self.rules.options;
         let gradient = self.landscape.gradient(cell);
-        let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
-        let bed = self.beds(interval)[usize::from(fuel)];
+        let index = self.landscape.frame.index(cell);
+        let wind = self.weather.in_cell(interval, index).wind_mps;
+        let bed = self.bed(interval, fuel, index);
         let ground = GroundFuel { bed, depth_ft: self.models[usize::from(fuel)].depth_ft };
+        if self.weather.moisture_zones().is_some() {
+            model_10 = self.bed(interval, BARRIER, index);
+        }
         let below = CrownConditions::in_weather(ground, model_10, canopy, wind, gradient, options, crowns);
         let rate_mps = rate_mps.unwrap_or_else(|| below.crown_rate_mps());
-        // Under wind by place it is another one in the next cell.
+        // Under weather by place it is another one in the next cell.
         if !self.weather.is_local() {
             self.crown_beds[interval].1 = Some(rate_mps);
         }
@@ -229,10 +277,33 @@ impl Rates {
         })
     }
 
-    /// Returns how long a fuel flames that catches fire in an interval; `None` forever.
-    pub fn flaming(&mut self, interval: usize, fuel: u8) -> Option<SimTime> {
+    /// Returns the fuel bed of a cell by its index on the field.
+    fn bed(&mut self, interval: usize, fuel: u8, index: usize) -> FuelBed {
+        let Some(zones) = self.weather.moisture_zones() else { return self.beds(interval)[usize::from(fuel)] };
+        let key = u32::from(zones.of_cell[index]) << 8 | u32::from(fuel);
+        // By a multiple of the golden ratio, as neither zones nor fuels alone are spread evenly.
+        let place = (key.wrapping_mul(0x9E37_79B1) >> 20) as usize % KEPT_BEDS;
+        if let Some(&(cached_key, bed)) = self.zone_beds.get(place)
+            && cached_key == key
+        {
+            return bed;
+        }
+        let moisture = zones.at(index);
+        let curing = self.rules.options.curing;
+        let model = self.models.get(usize::from(fuel));
+        let bed = model.map_or_else(|| model_10(&moisture, curing), |model| FuelBed::new(model, &moisture, curing));
+        if self.zone_beds.is_empty() {
+            self.zone_beds = vec![(u32::MAX, bed); KEPT_BEDS];
+        }
+        self.zone_beds[place] = (key, bed);
+        bed
+    }
+
+    /// Returns how long a fuel flames in a cell that catches fire in an interval; `None` forever.
+    pub fn flaming(&mut self, interval: usize, fuel: u8, cell: Cell) -> Option<SimTime> {
         let min = self.rules.burn_out?;
-        Some(min.max(SimTime::from_seconds(self.beds(interval)[usize::from(fuel)].residence_s())))
+        let index = self.landscape.frame.index(cell);
+        Some(min.max(SimTime::from_seconds(self.bed(interval, fuel, index).residence_s())))
     }
 
     /// Returns the ellipses of all fuels on a plane.
@@ -242,13 +313,14 @@ impl Rates {
                 unreachable!("cells have gradients of their own")
             };
             let wind = self.weather.intervals()[interval].wind_mps;
-            let rules = self.rules;
-            // A copy, as `beds` borrows all of `self`.
-            let adjustments = self.adjustments.clone();
-            let beds = self.beds(interval).iter().zip(adjustments);
-            let spreading =
-                beds.map(|(bed, adjustment)| Spreading::new(bed, adjustment, wind, gradient, &rules)).collect();
-            self.plane[interval] = Some(spreading);
+            let mut spreading = Vec::with_capacity(self.models.len());
+            for fuel in 0..self.models.len() {
+                let index = self.examples[fuel];
+                let midflame = self.adjustments[fuel] * wind;
+                let fire = self.bed(interval, fuel as u8, index).behavior(midflame, gradient, &self.rules.options);
+                spreading.push(Spreading::new(&fire, self.landscape.rate_factor(index)));
+            }
+            self.plane[interval] = Some(spreading.into());
         }
         self.plane[interval].as_ref().expect("it was just computed")
     }
@@ -273,15 +345,16 @@ impl Rates {
 
     fn cell_spreading(&mut self, interval: usize, fuel: u8, cell: Cell) -> Spreading {
         let rules = self.rules;
+        let index = self.landscape.frame.index(cell);
         let crown = self.crown_fire(interval, fuel, cell).zip(rules.crowns);
-        let spreading = crown.map(|(fire, crowns)| Spreading::from_fire(&fire.spreading(crowns.method)));
-        spreading.unwrap_or_else(|| {
+        let fire = if let Some((fire, crowns)) = crown {
+            fire.spreading(crowns.method)
+        } else {
             let gradient = self.landscape.gradient(cell);
-            let adjustment = self.adjustments[usize::from(fuel)];
-            let wind = self.weather.in_cell(interval, self.landscape.frame.index(cell)).wind_mps;
-            let bed = &self.beds(interval)[usize::from(fuel)];
-            Spreading::new(bed, adjustment, wind, gradient, &rules)
-        })
+            let midflame = self.adjustments[usize::from(fuel)] * self.weather.in_cell(interval, index).wind_mps;
+            self.bed(interval, fuel, index).behavior(midflame, gradient, &rules.options)
+        };
+        Spreading::new(&fire, self.landscape.rate_factor(index))
     }
 
     /// Returns the directions of every interval of the weather.
