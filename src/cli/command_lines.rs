@@ -39,7 +39,7 @@ pub fn parsed(case: &mut Case<'_>, command: &str, args: Vec<String>) -> Result<O
 
 /// Checks that something is said.
 pub fn check_message(text: &str) -> Law {
-    if text.trim().is_empty() { Err("nothing is said".into()) } else { Ok(()) }
+    if text.trim().is_empty() { Err("it is empty".into()) } else { Ok(()) }
 }
 
 /// Draws arguments of some command below these, whose own names are left out.
