@@ -662,7 +662,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fault_of_polygons_is_said_beside_right_lines() {
+    fn a_fault_of_polygons_is_reported_beside_right_lines() {
         let line = r#"{"type": "LineString", "coordinates": [[0,5],[50,5]]}"#;
         let polygon = |points: &str| format!(r#"{{"type": "Polygon", "coordinates": [{points}]}}"#);
         let frame = FieldFrame { cols: 5, rows: 4, cell_m: 10.0 };
