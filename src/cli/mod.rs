@@ -249,7 +249,7 @@ pub fn program() -> clap::Command {
 
 /// Reads arguments; the help of the program itself is the overview.
 fn parse(args: &[OsString]) -> Result<Arguments, clap::Error> {
-    let program = program();
+    let program = options::arranged_for(Arguments::command(), args);
     let overview = help::overview(&program);
     let matches = program.override_help(overview).try_get_matches_from(args)?;
     Arguments::from_arg_matches(&matches)

@@ -1,6 +1,8 @@
 //! Options of all commands: their headings and order on a page of help, names that several share, and what to do instead of
 //! an option that there is not.
 
+use std::ffi::OsString;
+
 use clap::{Arg, Command};
 
 /// Headings of options that have none of their own, in the order of a page of help. Special headings come before `Limits`,
@@ -51,8 +53,22 @@ const ADVICE: [(&[&str], &str, &str); 8] = [
 /// Gives options of all commands their headings, in their order, and lets `--seed` and `--seeds` stand for each other
 /// where there is only one of them.
 pub fn arranged(command: Command) -> Command {
-    let names: Vec<String> = command.get_subcommands().map(|part| part.get_name().to_owned()).collect();
-    let command = names.iter().fold(command, |command, name| command.mut_subcommand(name, arranged));
+    arranged_where(command, &|_| true)
+}
+
+/// Does the same for the commands that arguments name: to arrange all of them takes longer than many a run.
+pub fn arranged_for(command: Command, args: &[OsString]) -> Command {
+    arranged_where(command, &|part| {
+        args.iter().any(|arg| part.get_name_and_visible_aliases().iter().any(|name| arg == name))
+    })
+}
+
+fn arranged_where(command: Command, is_wanted: &impl Fn(&Command) -> bool) -> Command {
+    let wanted = command.get_subcommands().filter(|part| is_wanted(part));
+    let names: Vec<String> = wanted.map(|part| part.get_name().to_owned()).collect();
+    let command = names
+        .iter()
+        .fold(command, |command, name| command.mut_subcommand(name, |part| arranged_where(part, is_wanted)));
     let [has_seed, has_seeds] = ["seed", "seeds"].map(|long| has(&command, long));
     let command = command.mut_args(|argument| {
         let argument = match argument.get_long() {
