@@ -59,7 +59,7 @@ pub fn arranged(command: Command) -> Command {
 /// Does the same for the commands that arguments name: to arrange all of them takes longer than many a run.
 pub fn arranged_for(command: Command, args: &[OsString]) -> Command {
     arranged_where(command, &|part| {
-        args.iter().any(|arg| part.get_name_and_visible_aliases().iter().any(|name| arg == name))
+        args.iter().any(|arg| arg == part.get_name() || part.get_all_aliases().any(|alias| arg == alias))
     })
 }
 
