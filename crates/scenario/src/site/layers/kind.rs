@@ -17,7 +17,7 @@ pub enum LayerKind {
     Elevation,
     Slope,
     Aspect,
-    /// A layer of [`CanopyLayers`], by its place there.
+    /// A layer of [`CanopyLayers`](wildfire_fire::CanopyLayers), by its place there.
     Canopy(usize),
 }
 
