@@ -296,8 +296,8 @@ pub fn batch(
     if was_read {
         say(py, &format!("read from {}, nothing was run", path.display()));
     }
-    // Wrong answers and exceptions fail no run: without a word, code that does not work looks like code that plays badly.
-    if planners.is_some() || policies.is_some() {
+    // Wrong answers and exceptions fail no run: without a word, a policy that does not work looks like one that plays badly.
+    if policies.is_some() {
         report.failure_sentences().iter().for_each(|sentence| say(py, sentence));
     }
     let folder = OutputFolder::existing(&path).map_err(error)?;
