@@ -41,7 +41,7 @@ pub struct AttainArguments {
     /// Alternatives to try for each decision: the cells nearest to the truck.
     #[arg(long, default_value_t = 4, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
-    /// Play at most so many runs for each seed.
+    /// The most runs that are played for each seed.
     #[arg(long, default_value_t = 400, allow_hyphen_values = true, value_parser = parse_runs)]
     pub runs: u32,
     /// Number of threads [default: the number of processors].

@@ -148,7 +148,7 @@ pub struct ScenariosArguments {
     /// Print the main values of this built-in scenario.
     #[arg(long, value_name = "NAME", conflicts_with = "report_form")]
     pub show: Option<String>,
-    /// Print the whole file, to redirect into one's own.
+    /// Print the whole file, as a beginning for your own: `> my.toml`.
     #[arg(long, requires = "show")]
     pub all: bool,
     #[command(flatten)]

@@ -46,8 +46,8 @@ Examples:
   wildfire why runs/fleets --decisions 5
   wildfire why --bench credit --seeds 1..2
 
-The run is forked before each decision and goes on with every other choice there was, in
-several futures: what is left to chance afterwards is drawn again, alike for all choices.
+The run is forked before each decision and goes on with the nearest other choices, in
+several resampled futures, the same ones for all choices.
 
 Without --seed all runs of the folder of a batch are judged, and decisions.parquet in it gets a row for each
 choice that was not taken; `batch --decisions` does the same when its runs are done. --bench makes
@@ -64,13 +64,13 @@ pub struct WhyArguments {
     /// Judge decisions up to this simulated time [default: the end].
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true, value_parser = numbers::parse_instant)]
     pub to: Option<f64>,
-    /// Judge at most so many decisions, spread evenly over the run.
+    /// The most decisions that are judged, spread evenly over the run.
     #[arg(long = "decisions", alias = "sample", value_name = "N", allow_hyphen_values = true, value_parser = parse_sample)]
     pub sample: Option<usize>,
-    /// Play at most so many choices of a decision: the one that was taken, and the cells nearest to the agent.
+    /// The most choices of a decision that are played: the one that was taken, and the cells nearest to the agent.
     #[arg(long, default_value_t = SelectedDecisions::CHOICES, allow_hyphen_values = true, value_parser = parse_choices)]
     pub choices: usize,
-    /// Play each choice in at most so many futures.
+    /// The most futures in which each choice is played.
     #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
     /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo and DIR/team.

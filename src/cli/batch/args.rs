@@ -211,7 +211,7 @@ pub struct SlurmArguments {
         conflicts_with_all = ["resume", "slice", "rules", "dry_run", "profile", "report_form"]
     )]
     pub slurm: bool,
-    /// Target duration of a task in seconds, or as `h:mm:ss`.
+    /// Target duration of a task in minutes, or as `h:mm:ss`.
     #[arg(help_heading = "Slurm", long, value_name = "MINUTES", default_value = "30", requires = "slurm", value_parser = parse_minutes)]
     pub target_minutes: f64,
     /// Largest number of tasks; if it is too low, each takes longer.
