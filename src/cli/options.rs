@@ -85,7 +85,7 @@ fn arranged_where(command: Command, is_wanted: &impl Fn(&Command) -> bool) -> Co
     let options = command.get_arguments().filter(|argument| !argument.is_positional());
     let mut options: Vec<(usize, String)> = options.map(|option| (rank(option), option.get_id().to_string())).collect();
     options.sort_by_key(|(rank, _)| *rank);
-    // What is changed moves to the end, and headings come in the order of their first options.
+    // A changed option moves to the end, and headings come in the order of their first options.
     options.iter().fold(command, |command, (_, id)| command.mut_arg(id, |argument| argument))
 }
 

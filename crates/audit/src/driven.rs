@@ -47,7 +47,7 @@ impl<'a> DrivenLegs<'a> {
     pub fn new(agent: &AgentStart, timeline: &'a Timeline) -> Self {
         let mut legs: Vec<Leg<'a>> = Vec::new();
         for event in timeline.events.iter().filter(|event| event.fact.agent() == Some(agent.id)) {
-            // What cuts a drive short is a version of the last leg; all else with a trajectory is a leg.
+            // A shortened drive replaces the last leg; any other trajectory is a leg of its own.
             match (&event.fact, legs.last_mut()) {
                 (
                     Fact::Agent(_, AgentFact::Dropped { trajectory, .. } | AgentFact::Halted { trajectory }),

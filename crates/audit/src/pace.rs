@@ -108,7 +108,7 @@ pub fn audit_pace(leg: &Trajectory, limits: &SpeedLimits) -> Result<(), Violatio
         check_drive(limits, &drive, segment.curvature, segment.is_reverse()).map_err(at)?;
         if let Some(wheels) = &mut wheels {
             wheels.set(segment.curvature, STEERING_STEP_S).map_err(at)?;
-            // What is left to turn is turned on the first part of the segment.
+            // The rest of the turn is made on the first part of the segment.
             wheels.drive(drive.seconds);
         }
         (speed_mps, direction) = (drive.exit_mps, Some(segment.is_reverse()));

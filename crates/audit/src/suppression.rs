@@ -35,7 +35,7 @@ pub fn audit_acts(timeline: &Timeline) -> Result<u64, Violation> {
         timeline.setting.agents.iter().map(|start| Actor::new(start, &timeline.setting)).collect();
     let mut extinctions = 0;
     let place = |cell| timeline.setting.frame.centre(cell);
-    // What no agent did to the ground is the fire's or the crews', and is checked elsewhere.
+    // Changes of ground by fire and crews are checked elsewhere.
     let mut ground = timeline.ground.iter().filter(|event| event.agent().is_some()).peekable();
     for event in &timeline.events {
         // A stop ends before its truck sets out again, at the same time.

@@ -120,7 +120,7 @@ impl FuelModel {
             return below.into_iter().chain(FUEL_MODELS.get(above)).collect();
         }
         let (letters, digits) = name.split_at(name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len());
-        // Of bare letters the first of the family is meant.
+        // Bare letters mean the first word of their family.
         let wanted: u64 = digits.parse().unwrap_or(1);
         let family = FUEL_MODELS.iter().filter_map(|model| {
             let number: u64 = model.code.get(letters.len()..)?.parse().ok()?;

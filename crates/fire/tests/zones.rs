@@ -42,7 +42,7 @@ fn burn(landscape: Landscape, weather: Weather) -> Vec<Option<u64>> {
     (0..FRAME.cell_count()).map(|index| fire.arrival(FRAME.cell(index)).map(SimTime::as_nanos)).collect()
 }
 
-/// Says whether times are some multiple of others, but for rounding.
+/// Says whether times are this multiple of others, up to rounding.
 fn are_times(found: &[Option<u64>], times: u64, others: &[Option<u64>]) -> bool {
     let pairs = found.iter().zip(others);
     pairs.into_iter().all(|(one, other)| {

@@ -455,7 +455,7 @@ impl Reencode for Counter {
                         body.instruction(&Instruction::Br(open));
                     }
                     _ => {
-                        // Whoever falls off the end must give the slots back too.
+                        // A path that falls off the end must give the slots back too.
                         if is_counted_in && index + 1 == operators.len() {
                             self.leave(&mut body, defined);
                         }

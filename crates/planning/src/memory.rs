@@ -94,7 +94,7 @@ impl MemoryShare {
     /// Once a holder of the run was refused, none gets more.
     pub fn cover(&mut self, bytes: usize) -> bool {
         let bytes = bytes as u64;
-        // What was granted once stays granted, even if less is needed now.
+        // A grant is kept, even if less is needed now.
         if bytes <= self.bytes {
             return !self.meter.0.is_overrun.load(Ordering::Relaxed);
         }

@@ -234,7 +234,7 @@ fn changed_wumpus((this, other): (&Wumpus, &Wumpus)) -> Wumpus {
 }
 
 fn changed_unimog((this, other): (&Unimog, &Unimog)) -> Unimog {
-    // What a truck is cannot change on its way; what it plans by can.
+    // The body of a truck cannot change during a run, but its planner can.
     let Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, .. } = this.clone();
     Unimog { start, vehicle, speed_mps, reverse_speed_mps, limits, ..other.clone() }
 }

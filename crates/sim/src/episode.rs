@@ -98,7 +98,7 @@ impl Episode {
     pub fn answer(&mut self, choices: &[(AgentId, Action)]) -> Result<(), RunError> {
         let now = self.simulation.now();
         let mut pending = choices.to_vec();
-        // What the caller saw when it answered; `pending` changes as the answers are carried out.
+        // The agents that the caller saw when it answered; `pending` changes as the answers are carried out.
         let shown = self.pending.clone();
         let mut is_first = true;
         loop {

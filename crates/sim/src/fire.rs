@@ -186,7 +186,7 @@ fn change_cells(
         let mut expected = Vec::new();
         model.follow(field, now, change, &mut expected);
         expect(&mut queue, expected);
-        // What is left waits in the queue until the agent has acted.
+        // The rest waits in the queue until the agent has acted.
         if listeners.notify(change, now, field, &mut queue) {
             return;
         }

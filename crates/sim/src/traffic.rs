@@ -303,7 +303,7 @@ impl PredictedMotions for MotionsOfOthers<'_> {
                 let share = f64::from(look) / f64::from(LOOKS);
                 let pose = segment.pose_at(from, share * segment.length_m);
                 let time = SimTime::from_seconds(begins_s + share * (ends_s - begins_s));
-                // Whoever moves may come nearer between two looks, so more is kept from it.
+                // A moving truck may come nearer between two looks, so it gets a wider margin.
                 let extra_m = EXTRA_M[usize::from(other.leg.end_time() <= time)];
                 gap_between(self.body, pose, &other.body, other.leg.pose_at(time)) > MARGIN_M + extra_m
             })

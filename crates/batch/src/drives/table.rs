@@ -191,7 +191,7 @@ impl<'a> TableReading<'a> {
                 failure.ok_or_else(|| reader.wrong_value(reason, "a reason for having no path"))
             })
             .transpose()?;
-        // What is wrong with a path that was refused is no violation: nobody drove it.
+        // A refused path violates nothing: nobody drove it.
         let message = violation.take_if(|_| failure.is_some_and(DriveFailure::is_refusal));
         // A drive whose path breaks the rules has no success, but its path has a length.
         let has_figures = success || self.has_value(self.place("length_m"));

@@ -55,7 +55,7 @@ fn state_of(
     let path = folder.journal(slice);
     let (file, is_running) = match open_to_read(&path, folder.keeping().lock) {
         Ok(file) => (Ok(file), false),
-        // Whoever holds the lock is at work; reading needs none.
+        // The process that holds the lock is at work; reading needs none.
         Err(JournalError::Locked { .. }) => (File::open(&path), true),
         Err(JournalError::Unreadable { source, .. }) => (Err(source), false),
         Err(error) => return Err(error),

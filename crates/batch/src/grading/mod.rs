@@ -136,7 +136,7 @@ impl GradePlan {
             Some(seeds) => seeds.clone(),
             None => course.seeds().map_err(GradeError::Rules)?,
         };
-        // Whoever reads the grade must not learn the seeds.
+        // Readers of the grade must not learn the seeds.
         let redaction = Redaction::new(seeds.iter());
         let entry_file = entry_file(&request.entry);
         let folder = request.rules.parent().unwrap_or(Path::new(""));

@@ -76,7 +76,7 @@ impl GifFilm {
     fn frame_of(&self, Changed { left, right, top, bottom }: Changed, delay: u16) -> Frame<'static> {
         let width = usize::from(self.width);
         let rows = (top..bottom).map(|row| row * width + left..row * width + right);
-        // What stays is transparent, as long runs of one number pack better.
+        // Unchanged pixels are transparent, as long runs of one number pack better.
         let pixels = rows.flatten().map(|at| if self.next[at] == self.shown[at] { TRANSPARENT } else { self.next[at] });
         let short = |pixels: usize| u16::try_from(pixels).expect("the changed part lies within the frame");
         Frame {

@@ -307,7 +307,7 @@ fn touches_obstacle(mode: Mode, track: &VehicleTrack, centre: DVec2) -> Option<(
 
 fn vehicles_touch(mode: Mode, one: &VehicleTrack, other: &VehicleTrack) -> Option<(f64, f64)> {
     let circles_m = ops::hypot(2.0 * FRONT_M, WIDTH_M);
-    // Who has arrived stands at its goal until the other has.
+    // The vehicle that arrives first stands at its goal until the other has arrived.
     (0..one.steps.len().max(other.steps.len())).find_map(|at| {
         let (a, b) = (one.step(at), other.step(at));
         let apart_m = (a.rear - b.rear).length();

@@ -404,7 +404,7 @@ impl<'a> RepairTeam<'a> {
         let max = self.random.random_range(2..=8).min(self.routes.len());
         let mut group = vec![seed];
         let mut near = self.conflicts[seed].clone();
-        // Whoever is on its shortest drive keeps it from that.
+        // Vehicles in the way of its shortest drive keep it from driving that.
         if let Some(drive) = self.drives[seed].first() {
             let route = drive.route();
             self.traffic.for_each_conflict_of(&route, |other| near.push(other));

@@ -257,7 +257,7 @@ impl Shapes {
             return Err(format!("{NO_POLYGON}; expected a Polygon or a MultiPolygon"));
         }
         let system = self.check_system(layers)?;
-        // What lies inside a ring that crosses itself is a matter of convention.
+        // The inside of a ring that crosses itself is a matter of convention.
         if let Some(at) = self.first_crossing() {
             return Err(format!("a ring crosses itself at ({}, {}); expected rings that do not", at.x, at.y));
         }

@@ -468,7 +468,7 @@ mod tests {
             self.write("mine.toml", &format!("{FIRE}fuel_map = \"fuel.asc\"\n{keys}\n[field]\ncoverage = 0\n"));
             let path = self.0.path().join("mine.toml");
             let scenario = load(path.to_str().expect("plain"), &[]).map_err(|error| error.to_string())?;
-            // What a plan holds is the same without the files.
+            // The contents of a plan are the same without the files.
             let json = serde_json::to_string(&scenario).expect("scenarios are text and numbers");
             let frozen: Scenario = serde_json::from_str(&json).expect("it was written so");
             assert!(frozen == scenario && frozen.check().is_ok());

@@ -284,7 +284,7 @@ impl PolicySet {
         self.custom_stats.add_cpu(stopwatch.elapsed_since_last(), report.elsewhere);
         if let Err(message) = check_line(&points, seen.fires.frame()) {
             points.clear();
-            // What the policy reports itself says more than that its points are no line.
+            // The policy's own report says more than that its points are no line.
             report.failure = report.failure.or(Some((PlanFailure::BadAnswer, message)));
         }
         if let Some(name) = custom_name {

@@ -314,7 +314,7 @@ impl Process {
     fn order(&mut self, order: SupervisorCommand) {
         let mut line = serde_json::to_vec(&order).expect("orders are JSON");
         line.push(b'\n');
-        // Whoever cannot be told gets the order that the end of all orders is.
+        // A supervisor that cannot be told takes the end of its orders for the order to stop.
         if self.control.write_all(&line).is_err() {
             let _ = self.control.shutdown(std::net::Shutdown::Write);
         }

@@ -97,7 +97,7 @@ pub fn spawn(
     };
     let following = world.resource::<PolicySet>();
     let follows = following.policy_of(id);
-    // What wakes a truck depends on whether its policy decides for the whole team.
+    // A truck's triggers depend on whether its policy decides for the whole team.
     let woken_by = WakeTriggers::truck(following.asking(follows), settings.retarget == Retarget::OnEvent);
     let mut agent = Agent::standing(id, Body::Truck(settings.vehicle), start);
     agent.busy_until = SimTime::from_seconds(settings.ready_s);

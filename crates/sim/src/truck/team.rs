@@ -153,7 +153,7 @@ impl Fleet<'_, '_> {
             // The call is answered, whatever the choice is.
             agent.is_called = false;
             if let Some(state) = &mut truck.deliberation {
-                // Whoever sets out by this decision waits for as long as the team has planned.
+                // A truck that sets out by this decision waits for as long as the team has planned.
                 state.delay = delay;
             }
         }

@@ -80,7 +80,7 @@ impl WordForm {
                 middle(u, -u, q, d)
             }
             Self::LpRpLp => {
-                // Of the two arcs between the touching circles Dubins' word takes the longer one.
+                // Dubins' word takes the longer of the two arcs between the touching circles.
                 let (u, q) = inner_arc(view)?;
                 middle(TAU - u, u, -q, d)
             }

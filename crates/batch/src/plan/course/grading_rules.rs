@@ -79,7 +79,7 @@ impl GradingRules {
             return fault("points", "expected points from 0 to 1000000");
         }
         if let Some(name) = self.baseline_points.keys().find(|name| !self.baselines.contains(name)) {
-            return fault("baseline_points", &format!("`{name}` is none of the baselines"));
+            return fault("baseline_points", &format!("`{name}` is not one of the baselines"));
         }
         // Points between two marks are interpolated, which needs an order.
         let is_rising = self.marks.windows(2).all(|rows| rows[0][0] < rows[1][0]);
@@ -157,7 +157,7 @@ mod tests {
         let refused = GradingRules { baseline_points, ..rules }.check().expect_err("it is no baseline");
         assert_eq!(
             (refused.key, refused.message.as_str()),
-            ("baseline_points", "`hybrid-astar` is none of the baselines")
+            ("baseline_points", "`hybrid-astar` is not one of the baselines")
         );
     }
 }

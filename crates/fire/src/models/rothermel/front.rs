@@ -617,7 +617,7 @@ impl SpreadWalk<'_> {
                     let time = found.time.max(self.now);
                     // The closed form holds in one weather only.
                     if self.cells.time[beside] >= self.interval.from && time <= self.interval.until {
-                        // What does not improve the plan needs no look at the ground of the other way.
+                        // A time that is no earlier needs no look at the ground on the way.
                         if time >= self.cells.time[to] {
                             continue;
                         }

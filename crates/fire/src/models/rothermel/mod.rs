@@ -156,7 +156,7 @@ impl FireModel for Rothermel {
 
     fn arrive(&mut self, _fires: &FireField, now: SimTime, arrival: Arrival, expected: &mut FireEvents) -> Vec<Spread> {
         let mut spreads = Vec::new();
-        // What was announced before the last change is out of date.
+        // Announcements before the last change are out of date.
         if arrival.revision == self.revision {
             self.announced = None;
             self.take_due(now, &mut spreads);
