@@ -12,6 +12,7 @@
 //! Every default is the value of the built-in scenario `contest-1`. Lengths are metres, times seconds, in the world
 //! frame of [`wildfire_base::geometry`]. The format is described in `scenarios/README.md`.
 
+mod erased;
 mod explain;
 mod faults;
 mod keys;
@@ -120,7 +121,7 @@ pub fn schema() -> schemars::Schema {
 ///
 /// The limits on lists here only keep other files from filling the memory; [`Self::check`] sets lower ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct Scenario {
     /// The name of the scenario in tables.
     #[serde(default)]

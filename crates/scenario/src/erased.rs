@@ -1,0 +1,32 @@
+//! Scenarios of every format go through one compiled reader and one writer.
+//!
+//! What serde derives for a scenario and all of its tables is generic over the format, and large. Compiled for a format
+//! without a type, it is there once, not once for each format and crate.
+
+use erased_serde::{Deserializer as ErasedDeserializer, Serialize as ErasedSerialize};
+use serde::de::{Deserialize, Deserializer, Error};
+use serde::ser::{Serialize, Serializer};
+
+use crate::Scenario;
+
+impl<'de> Deserialize<'de> for Scenario {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut erased = <dyn ErasedDeserializer>::erase(deserializer);
+        // The derived function, which `remote = "Self"` makes an inherent one.
+        Self::deserialize(&mut erased as &mut dyn ErasedDeserializer).map_err(D::Error::custom)
+    }
+}
+
+impl Serialize for Scenario {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        erased_serde::serialize(&Members(self) as &dyn ErasedSerialize, serializer)
+    }
+}
+
+struct Members<'a>(&'a Scenario);
+
+impl Serialize for Members<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Scenario::serialize(self.0, serializer)
+    }
+}
