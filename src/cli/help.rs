@@ -104,6 +104,10 @@ pub fn mistake(args: &[OsString], error: &clap::Error, program: &Command) -> Opt
         && error.kind() == ErrorKind::UnknownArgument
     {
         let command = names.fold(program, |command, name| command.find_subcommand(&*name).unwrap_or(command));
+        if command.get_name() == "scenarios" && !found.starts_with('-') {
+            let advice = "`wildfire scenarios --show NAME` prints a scenario";
+            return Some(CliError::bad_input(format_args!("`{}` is no option", visible(found)), Some(advice)));
+        }
         let advice = options::advice(command, found)?;
         return Some(CliError::bad_input(format_args!("there is no option `{found}` here"), Some(advice)));
     }

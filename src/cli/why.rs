@@ -74,7 +74,7 @@ pub struct WhyArguments {
     #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
     /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo and DIR/team.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "sample", "choices", "futures"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "choices", "futures"])]
     pub bench: Option<PathBuf>,
     /// Play only these seeds of CreditBench [default: 1..32].
     #[arg(long, requires = "bench", allow_hyphen_values = true, value_parser = parse_seeds)]
@@ -143,7 +143,7 @@ pub fn run(arguments: &WhyArguments, context: &CommandContext) -> Result<ExitCod
             JudgeProgress::Played => progress.advance(),
             JudgeProgress::Interim { futures: played, report } if arguments.form.is_text() => {
                 let text = Document::from(report).to_text();
-                progress.preview(&format!("After {played} of at most {futures} futures:\n{text}\n"));
+                progress.preview(&format!("So far, after {played} of at most {futures} futures:\n{text}\n"));
             }
             JudgeProgress::Interim { .. } => {}
         });
@@ -163,6 +163,7 @@ fn make_credit_bench(folder: &Path, arguments: &WhyArguments, context: &CommandC
         }
         let batch = play_plan(request.resolve(false)?, &folder.join(name), jobs_or_all(arguments.jobs), context)?;
         let choices = CREDIT_BENCH_CHOICES;
+        let decisions = arguments.sample.unwrap_or(decisions);
         let selection =
             SelectedDecisions { choices, futures: CREDIT_BENCH_FUTURES, ..SelectedDecisions::sample(decisions) };
         let options = context.run_options(false, batch.plan().memory);

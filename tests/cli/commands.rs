@@ -154,6 +154,7 @@ fn mistakes_of_beginners_are_answered_with_what_to_do() {
         ("run --set unimog.planner=astar", "did you mean `hybrid-astar`?"),
         ("run --seed 1..5", "`wildfire batch --seeds"),
         ("run --seeds 1..5", "`wildfire batch --seeds"),
+        ("scenarios contest", "`wildfire scenarios --show NAME`"),
         ("report nowhere", "`wildfire batch` makes such a folder"),
     ] {
         let args: Vec<&str> = line.split(' ').collect();

@@ -216,6 +216,8 @@ fn a_batch_opens_with_who_won_and_what_was_saved_and_ends_with_a_command_that_sh
     assert!(opening(&alone).starts_with("Without trucks, ") && opening(&alone).ends_with("did not burn."), "{alone}");
     let several = batch(&["smoke", "--planner", "prm-rs,lattice", "--seeds", "1..3", "--out", "several"]);
     assert!(opening(&several).starts_with("6 runs of 2 variants finished; "), "{several}");
+    assert!(several.contains("\nDifferences: wildfire compare several\n"), "{several}");
+    story.tell(&["compare", "several"]).expect_code(0);
 }
 
 #[test]
