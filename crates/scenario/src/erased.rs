@@ -19,13 +19,13 @@ impl<'de> Deserialize<'de> for Scenario {
 
 impl Serialize for Scenario {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        erased_serde::serialize(&Members(self) as &dyn ErasedSerialize, serializer)
+        erased_serde::serialize(&ErasableScenario(self) as &dyn ErasedSerialize, serializer)
     }
 }
 
-struct Members<'a>(&'a Scenario);
+struct ErasableScenario<'a>(&'a Scenario);
 
-impl Serialize for Members<'_> {
+impl Serialize for ErasableScenario<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         Scenario::serialize(self.0, serializer)
     }
