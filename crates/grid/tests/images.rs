@@ -283,3 +283,10 @@ fn damaged_images_are_refused_or_read_as_another_reader_does() {
     }
     assert!(read_images > 500, "{read_images}");
 }
+
+#[test]
+fn frame_of_another_size_than_its_alpha_is_refused() {
+    let bytes = include_bytes!("images/unlike_alpha.webp");
+    let refusal = map_files::read_bytes(Path::new("map"), bytes.to_vec(), 127).expect_err("it is damaged").to_string();
+    assert_eq!(refusal, "map: the image is damaged: its first frame has another size than its pixels");
+}

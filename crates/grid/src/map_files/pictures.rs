@@ -113,9 +113,45 @@ fn read_webp(bytes: &[u8], transparency: Transparency) -> Result<GreyImage, Faul
     let (cols, rows) = decoder.dimensions();
     let layout = PixelLayout { colour: true, alpha: decoder.has_alpha().then_some(transparency), max: 255 };
     let header = ImageHeader { rows: rows as usize, cols: cols as usize, layout };
+    if decoder.is_animated() && first_frame_fits(bytes) != Some(true) {
+        return Err(Fault::Image { message: "its first frame has another size than its pixels".to_owned() });
+    }
     let image = PictureFormat::WebP.read_pixels(header, bytes, |pixels| decoder.read_image(pixels).map_err(damaged))?;
     let orientation = decoder.exif_metadata().map_err(damaged)?.and_then(|exif| exif_orientation(&exif));
     Ok(with_several_noted(turned(image, orientation), decoder.is_animated()))
+}
+
+/// Returns whether the first frame of a WebP animation is as large as its pixels; `None` if it ends early.
+///
+/// The decoder does not look where alpha is apart from lossy pixels, and panics (image-webp 0.2.4).
+///
+/// Source: Google, "WebP Container Specification", 2025, section "Animation"; J. Bankoski et al., "VP8 Data Format and
+/// Decoding Guide", RFC 6386, 2011, section 9.1.
+fn first_frame_fits(bytes: &[u8]) -> Option<bool> {
+    let mut chunks = bytes.get(12..)?;
+    let frame = loop {
+        if let (b"ANMF", frame) = split_chunk(&mut chunks)? {
+            break frame;
+        }
+    };
+    let (place, mut parts) = frame.split_at_checked(16)?;
+    let (b"ALPH", _) = split_chunk(&mut parts)? else { return Some(true) };
+    let (_, pixels) = split_chunk(&mut parts)?;
+    // A frame's sides are stored less 1, in 24 bits; above the 14 bits of a side of pixels is a scale.
+    let mut sides = place[6..12].chunks_exact(3).zip(pixels.get(6..10)?.chunks_exact(2));
+    Some(sides.all(|(frame, pixels)| {
+        u32::from_le_bytes([frame[0], frame[1], frame[2], 0]) + 1
+            == u32::from_le_bytes([pixels[0], pixels[1] & 0x3F, 0, 0])
+    }))
+}
+
+/// Splits off the next chunk of a WebP file, its name and its data.
+fn split_chunk<'a>(rest: &mut &'a [u8]) -> Option<(&'a [u8], &'a [u8])> {
+    let (name, size) = rest.split_off(..8)?.split_at(4);
+    let size = u32::from_le_bytes(*size.first_chunk()?) as usize;
+    let data = &rest[..size.min(rest.len())];
+    *rest = rest.get(size.next_multiple_of(2)..).unwrap_or_default();
+    Some((name, data))
 }
 
 fn read_gif(bytes: &[u8], transparency: Transparency) -> Result<GreyImage, Fault> {
