@@ -3,9 +3,6 @@
 use std::io;
 use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
-
 use wildfire_base::whole_file::WholeFile;
 use wildfire_grid::Grid;
 use wildfire_grid::map_files::carried;
@@ -88,14 +85,15 @@ impl Picture {
         // The fast way to pack looks only for runs of zeros, which differences from the row above have; the thorough
         // one finds the repetitions of flat colours better in what is left as it is.
         let (compression, filter) = match self.channels.len() {
-            0..=PACKED_WELL => (CompressionType::Best, FilterType::NoFilter),
-            _ => (CompressionType::Fast, FilterType::Up),
+            0..=PACKED_WELL => (png::Compression::High, png::Filter::NoFilter),
+            _ => (png::Compression::Fast, png::Filter::Up),
         };
-        let encoder = PngEncoder::new_with_quality(target, compression, filter);
-        let written = encoder.write_image(&self.channels, self.width, self.height, ExtendedColorType::Rgb8);
-        written.map_err(|error| match error {
-            ImageError::IoError(error) => error,
-            error => io::Error::other(error),
-        })
+        let mut encoder = png::Encoder::new(target, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(compression);
+        encoder.set_filter(filter);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.channels)?;
+        Ok(writer.finish()?)
     }
 }

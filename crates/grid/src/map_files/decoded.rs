@@ -1,11 +1,10 @@
 //! Pixels from a decoder: their maximum number, and their grey values.
 
-use image::metadata::Orientation;
-use image::{ColorType, DynamicImage, GrayImage, ImageDecoder, ImageError};
+use std::fmt::Display;
 
 use crate::Grid;
 use crate::map_files::error::with_room;
-use crate::map_files::pixel::{PixelLayout, Pixels, Transparency};
+use crate::map_files::pixel::{PixelLayout, Pixels};
 use crate::map_files::{Fault, MAX_CELLS};
 
 /// Most bytes of the decoded pixels: 16-bit grey on every cell of the largest map.
@@ -39,80 +38,100 @@ pub(super) fn check_decoded(decoded: u64, limit: u64, bytes: u64, (rows, cols): 
     Ok(())
 }
 
-/// Tells an image that is damaged from one of a kind that is not read. Decoders say the latter in an error of its own, or
-/// in words alone.
-pub(super) fn damaged(error: ImageError) -> Fault {
-    let message = error.to_string();
+/// Tells an image that is damaged from one of a kind that is not read, which decoders say in words.
+pub(super) fn damaged(error: impl Display) -> Fault {
+    // Some quote a sentence, or end a line with it.
+    let message = error.to_string().trim_matches(['"', '\n']).to_owned();
     let text = message.to_lowercase();
-    let is_of_unknown_kind = matches!(error, ImageError::Unsupported(_))
-        || ["unsupported", "not supported", "unimplemented"].iter().any(|phrase| text.contains(phrase));
-    if is_of_unknown_kind { Fault::Unread { format: "image", reason: message } } else { Fault::Image { message } }
+    let of_unread = ["unsupported", "not supported", "unimplemented", "cannot yet decode"];
+    let is_unread = of_unread.iter().any(|phrase| text.contains(phrase));
+    if is_unread { Fault::Unread { format: "image", reason: message } } else { Fault::Image { message } }
 }
 
-/// Decodes an image whose size and bytes were checked.
-pub(super) fn decode(
-    decoder: impl ImageDecoder,
-    transparency: Transparency,
-    notes: Vec<String>,
-) -> Result<GreyImage, Fault> {
-    let (cols, rows) = decoder.dimensions();
-    let colour_type = decoder.color_type();
-    let decoded = decoder.total_bytes() as usize;
-    let mut data = with_room(decoded)?;
-    data.resize(decoded, 0);
-    decoder.read_image(&mut data).map_err(damaged)?;
-    let (rows, cols) = (rows as usize, cols as usize);
-    // The bytes of the commonest kind of image are its grey values already and need no second copy.
-    if colour_type == ColorType::L8 {
-        return Ok(GreyImage { grey: Grid::from_values(rows, cols, data), is_unknown: None, notes });
+/// What the header of an image says: its size, and the samples of its pixels.
+#[derive(Clone, Copy)]
+pub(super) struct ImageHeader {
+    pub rows: usize,
+    pub cols: usize,
+    pub layout: PixelLayout,
+}
+
+impl ImageHeader {
+    pub fn bytes_per_row(self) -> u64 {
+        let bytes_per_sample = if self.layout.max > 255 { 2 } else { 1 };
+        self.cols as u64 * self.layout.channels() as u64 * bytes_per_sample
     }
-    let layout = layout_of(colour_type, transparency);
-    let bytes_per_pixel = usize::from(colour_type.bytes_per_pixel());
-    let mut pixels = Pixels::with_room(layout, rows * cols)?;
-    let mut samples = Vec::new();
-    // Samples are bytes or native 16-bit words.
-    for row in data.chunks_exact(cols * bytes_per_pixel) {
+
+    /// The bytes of all pixels; the size need not have been checked.
+    pub fn bytes(self) -> u64 {
+        self.bytes_per_row().saturating_mul(self.rows as u64)
+    }
+
+    /// Takes memory for all pixels, whose bytes were checked, and decodes them.
+    pub fn decode(self, read: impl FnOnce(&mut [u8]) -> Result<(), Fault>) -> Result<Vec<u8>, Fault> {
+        let mut pixels = with_room(self.bytes() as usize)?;
+        pixels.resize(self.bytes() as usize, 0);
+        read(&mut pixels)?;
+        Ok(pixels)
+    }
+
+    /// Replaces samples by those of a row, which are bytes, or words with the higher byte first.
+    pub fn unpack(self, row: &[u8], samples: &mut Vec<u16>) {
         samples.clear();
-        if layout.max > 255 {
-            samples.extend(row.chunks_exact(2).map(|pair| u16::from_ne_bytes([pair[0], pair[1]])));
+        if self.layout.max > 255 {
+            samples.extend(row.chunks_exact(2).map(|pair| u16::from_be_bytes([pair[0], pair[1]])));
         } else {
             samples.extend(row.iter().map(|&byte| u16::from(byte)));
         }
-        pixels.append(&samples);
     }
-    Ok(pixels.into_image(rows, cols, notes))
-}
 
-pub(super) fn layout_of(colour_type: ColorType, transparency: Transparency) -> PixelLayout {
-    let is_wide = colour_type.bytes_per_pixel() > colour_type.channel_count();
-    let max = if is_wide { u16::MAX } else { 255 };
-    PixelLayout { colour: colour_type.has_color(), alpha: colour_type.has_alpha().then_some(transparency), max }
+    /// Decodes all pixels, whose bytes were checked, as grey values.
+    pub fn decode_grey(
+        self,
+        notes: Vec<String>,
+        read: impl FnOnce(&mut [u8]) -> Result<(), Fault>,
+    ) -> Result<GreyImage, Fault> {
+        let data = self.decode(read)?;
+        // The bytes of the commonest kind of image are its grey values already and need no second copy.
+        if self.layout == PixelLayout::EIGHT_BIT_GREY {
+            return Ok(GreyImage { grey: Grid::from_values(self.rows, self.cols, data), is_unknown: None, notes });
+        }
+        let mut pixels = Pixels::with_room(self.layout, self.rows * self.cols)?;
+        let mut samples = Vec::new();
+        for row in data.chunks_exact(self.bytes_per_row() as usize) {
+            self.unpack(row, &mut samples);
+            pixels.append(&samples);
+        }
+        Ok(pixels.into_image(self.rows, self.cols, notes))
+    }
 }
 
 /// Turns an image as the tag of its camera or scanner says, so that it is read as programs show it; adds a note if that
 /// changes it.
-pub(super) fn turned(mut image: GreyImage, orientation: Orientation) -> GreyImage {
-    if orientation == Orientation::NoTransforms {
-        return image;
+///
+/// Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, section 8, tag 274; Exif has the same.
+pub(super) fn turned(mut image: GreyImage, orientation: Option<u64>) -> GreyImage {
+    if let Some(orientation @ 2..=8) = orientation {
+        image.notes.push("the image was turned as its orientation tag says".to_owned());
+        image.grey = turned_grid(&image.grey, orientation);
+        image.is_unknown = image.is_unknown.map(|is_unknown| turned_grid(&is_unknown, orientation));
     }
-    let turn = |grid: Grid<u8>| {
-        let cols = grid.cols() as u32;
-        let rows = grid.rows() as u32;
-        let pixels = GrayImage::from_raw(cols, rows, grid.values().to_vec()).expect("there is a value for every pixel");
-        let mut image = DynamicImage::ImageLuma8(pixels);
-        image.apply_orientation(orientation);
-        let rows = image.height() as usize;
-        let cols = image.width() as usize;
-        Grid::from_values(rows, cols, image.into_luma8().into_raw())
-    };
-    image.notes.push("the image was turned as its orientation tag says".to_owned());
-    image.grey = turn(image.grey);
-    // The mask is turned as an image of zeros and ones.
-    image.is_unknown = image.is_unknown.map(|is_unknown| {
-        let bytes = is_unknown.values().iter().map(|&pixel| u8::from(pixel)).collect();
-        let turned = turn(Grid::from_values(is_unknown.rows(), is_unknown.cols(), bytes));
-        let values = turned.values().iter().map(|&byte| byte == 1).collect();
-        Grid::from_values(turned.rows(), turned.cols(), values)
-    });
     image
+}
+
+fn turned_grid<T: Copy>(grid: &Grid<T>, orientation: u64) -> Grid<T> {
+    let is_transposed = orientation >= 5;
+    let is_from_below = matches!(orientation, 3 | 4 | 6 | 7);
+    let is_from_right = matches!(orientation, 2 | 3 | 7 | 8);
+    let [rows, cols] = if is_transposed { [grid.cols(), grid.rows()] } else { [grid.rows(), grid.cols()] };
+    let mut values = Vec::with_capacity(rows * cols);
+    for row in 0..rows {
+        values.extend((0..cols).map(|col| {
+            let [row, col] = if is_transposed { [col, row] } else { [row, col] };
+            let row = if is_from_below { grid.rows() - 1 - row } else { row };
+            let col = if is_from_right { grid.cols() - 1 - col } else { col };
+            grid.row(row)[col]
+        }));
+    }
+    Grid::from_values(rows, cols, values)
 }

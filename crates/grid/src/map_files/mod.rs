@@ -2,6 +2,7 @@
 //!
 //! The first line of a file is row 0, its first cell column 0; errors count as everything here does, from 0.
 
+mod bmp;
 pub mod carried;
 mod colours;
 mod decimal;

@@ -69,7 +69,7 @@ impl Pixels {
 }
 
 impl PixelLayout {
-    const EIGHT_BIT_GREY: Self = Self { colour: false, alpha: None, max: 255 };
+    pub const EIGHT_BIT_GREY: Self = Self { colour: false, alpha: None, max: 255 };
 
     pub fn channels(self) -> usize {
         (if self.colour { 3 } else { 1 }) + usize::from(self.alpha.is_some())

@@ -2,11 +2,8 @@
 
 use std::io::{BufRead, Read, Seek};
 
-use image::codecs::png::PngDecoder;
-use image::{ColorType, ImageDecoder, Limits};
-
 use crate::map_files::Fault;
-use crate::map_files::decoded::{GreyImage, MAX_DECODED, MAX_EXTRAS, check_decoded, damaged, decode, layout_of};
+use crate::map_files::decoded::{GreyImage, ImageHeader, MAX_DECODED, MAX_EXTRAS, check_decoded, damaged};
 use crate::map_files::error::check_size;
 use crate::map_files::pictures::FIRST_OF_SEVERAL;
 use crate::map_files::pixel::{PixelLayout, Transparency};
@@ -21,19 +18,31 @@ pub(super) fn read<R: BufRead + Seek>(
     bytes: u64,
     transparency: Transparency,
 ) -> Result<GreyImage, Fault> {
-    let header = PngHeader::parse(source.fill_buf()?)?;
-    let size = (header.rows, header.cols);
-    check_size(header.rows, header.cols)?;
-    // This limit is for what a file holds beside its pixels, whose size is checked below.
-    let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MAX_EXTRAS);
-    let decoder = PngDecoder::with_limits(source, limits).map_err(damaged)?;
-    let colour_type = decoder.color_type();
-    check_decoded(decoder.total_bytes(), MAX_DECODED, bytes, size)?;
-    let has_several = decoder.is_apng().map_err(damaged)?;
-    let mut notes = Vec::from_iter(header.note(colour_type, transparency));
-    notes.extend(has_several.then(|| FIRST_OF_SEVERAL.to_owned()));
-    decode(decoder, transparency, notes)
+    let png_header = PngHeader::parse(source.fill_buf()?)?;
+    let size = (png_header.rows, png_header.cols);
+    check_size(size.0, size.1)?;
+    let mut reader = open(source, MAX_EXTRAS)?;
+    let header = header_of(&reader, transparency);
+    check_decoded(header.bytes(), MAX_DECODED, bytes, size)?;
+    let mut notes = Vec::from_iter(png_header.note(header.layout));
+    notes.extend(reader.info().animation_control.is_some().then(|| FIRST_OF_SEVERAL.to_owned()));
+    header.decode_grey(notes, |pixels| reader.next_frame(pixels).map(drop).map_err(damaged))
+}
+
+/// Reads what comes before the pixels, which will be bytes or 16-bit words. What a file holds beside them may take so many
+/// bytes.
+pub(super) fn open<R: BufRead + Seek>(source: R, max_extras: u64) -> Result<png::Reader<R>, Fault> {
+    let mut decoder = png::Decoder::new_with_limits(source, png::Limits { bytes: max_extras as usize });
+    decoder.set_transformations(png::Transformations::EXPAND);
+    decoder.read_info().map_err(damaged)
+}
+
+pub(super) fn header_of<R: BufRead + Seek>(reader: &png::Reader<R>, transparency: Transparency) -> ImageHeader {
+    let (colours, depth) = reader.output_color_type();
+    let alpha = matches!(colours, png::ColorType::GrayscaleAlpha | png::ColorType::Rgba).then_some(transparency);
+    let max = if depth == png::BitDepth::Sixteen { u16::MAX } else { 255 };
+    let layout = PixelLayout { colour: colours.samples() >= 3, alpha, max };
+    ImageHeader { rows: reader.info().height as usize, cols: reader.info().width as usize, layout }
 }
 
 /// Reads all bytes of an image of which the first are known; no more than an image of the size in its header can have.
@@ -85,15 +94,15 @@ impl PngHeader {
         (pixels + pixels / 8).min(MAX_DECODED) + MAX_EXTRAS
     }
 
-    fn note(&self, decoded: ColorType, transparency: Transparency) -> Option<String> {
+    fn note(&self, decoded: PixelLayout) -> Option<String> {
         let is_palette = self.colour_type == 3;
         let max = if is_palette { 255 } else { ((1u32 << self.depth) - 1) as u16 };
-        let colours = match (is_palette, decoded.has_color()) {
+        let colours = match (is_palette, decoded.colour) {
             (true, _) => "palette",
             (false, true) => "RGB",
             (false, false) => "grey",
         };
-        let alpha = if decoded.has_alpha() { " with alpha" } else { "" };
-        PixelLayout { max, ..layout_of(decoded, transparency) }.note(&format!("{}-bit {colours}{alpha}", self.depth))
+        let alpha = if decoded.alpha.is_some() { " with alpha" } else { "" };
+        PixelLayout { max, ..decoded }.note(&format!("{}-bit {colours}{alpha}", self.depth))
     }
 }

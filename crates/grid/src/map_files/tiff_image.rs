@@ -5,7 +5,6 @@
 //!
 //! Source: Adobe Developers Association, "TIFF Revision 6.0", 1992, sections 3 to 8.
 
-use image::metadata::Orientation;
 use tiff::decoder::DecodingResult;
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, SampleFormat, Tag};
 use tiff::{ColorType, TiffError, TiffUnsupportedError};
@@ -38,8 +37,7 @@ pub(super) fn read(bytes: &[u8], transparency: Transparency) -> Result<GreyImage
     if decoder.image_buffer_layout().map_err(damaged)?.planes > 1 {
         return Err(unfit("its colours are in separate planes"));
     }
-    let orientation = decoder.find_tag_unsigned::<u8>(Tag::Orientation).map_err(damaged)?;
-    let orientation = orientation.and_then(Orientation::from_exif).unwrap_or(Orientation::NoTransforms);
+    let orientation = decoder.find_tag_unsigned::<u8>(Tag::Orientation).map_err(damaged)?.map(u64::from);
     let has_several = decoder.more_images();
 
     let pixels = samples.pixels(decoder.read_image().map_err(damaged)?, size)?;

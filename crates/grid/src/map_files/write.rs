@@ -3,9 +3,6 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder, ImageError};
-
 use super::decimal::append_float;
 use crate::{Grid, Place};
 use wildfire_base::npy::{NpyValue, npy_header};
@@ -69,13 +66,13 @@ pub fn write_npy<T: MapValue>(path: &Path, map: &Grid<T>) -> io::Result<()> {
 /// Writes grey values as an 8-bit PNG image.
 pub fn write_png(path: &Path, grey: &Grid<u8>) -> io::Result<()> {
     let mut file = WholeFile::create(path)?;
-    let encoder = PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::Adaptive);
     let [cols, rows] = [grey.cols(), grey.rows()].map(|cells| u32::try_from(cells).map_err(io::Error::other));
-    let written = encoder.write_image(grey.values(), cols?, rows?, ExtendedColorType::L8);
-    written.map_err(|error| match error {
-        ImageError::IoError(error) => error,
-        other => io::Error::other(other),
-    })?;
+    let mut encoder = png::Encoder::new(&mut file, cols?, rows?);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(grey.values())?;
+    writer.finish()?;
     file.finish()
 }
 
