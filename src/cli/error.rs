@@ -12,7 +12,7 @@ use crate::cli::next_command::help_on_unfinished;
 use wildfire_base::untrusted::visible;
 use wildfire_batch::drives::DriveError;
 use wildfire_batch::execute::{BatchError, JournalError};
-use wildfire_batch::plan::{PlanError, RequestError};
+use wildfire_batch::plan::{PLAN_KEYS, PlanError, RequestError};
 use wildfire_batch::report::AuditsError;
 use wildfire_batch::table::{FinishedError, TableError};
 use wildfire_grid::map_files::{self, MapError};
@@ -172,7 +172,12 @@ impl From<Box<ScenarioError>> for CliError {
             Fault::Unreadable { kind, .. } => code_of_input(kind),
             _ => exit::BAD_INPUT,
         };
-        let help = error.fault.advice();
+        let help = match &error.fault {
+            Fault::UnknownField { name, table, .. } if table.is_empty() && PLAN_KEYS.contains(&name.as_str()) => Some(
+                "a file with this key is a plan: `wildfire batch FILE` plays it, `--dry-run` lists its runs".to_owned(),
+            ),
+            fault => fault.advice(),
+        };
         Self { location: error.location, ..Self::new(error.fault, help.as_deref(), code) }
     }
 }

@@ -139,6 +139,7 @@ fn a_format_has_one_option_and_an_earlier_flag() {
 #[test]
 fn mistakes_of_beginners_are_answered_with_what_to_do() {
     let story = Story::begin();
+    story.file("plan.toml", "scenarios = [\"smoke\"]\n");
     for (line, advice) in [
         ("simulate", "`wildfire run`"),
         ("lesson", "`wildfire lessons`"),
@@ -154,6 +155,7 @@ fn mistakes_of_beginners_are_answered_with_what_to_do() {
         ("run --set unimog.planner=astar", "did you mean `hybrid-astar`?"),
         ("run --seed 1..5", "`wildfire batch --seeds"),
         ("run --seeds 1..5", "`wildfire batch --seeds"),
+        ("check plan.toml", "`wildfire batch FILE`"),
         ("scenarios contest", "`wildfire scenarios --show NAME`"),
         ("report nowhere", "`wildfire batch` makes such a folder"),
     ] {

@@ -12,7 +12,6 @@
 //! Every default is the value of the built-in scenario `contest-1`. Lengths are metres, times seconds, in the world
 //! frame of [`wildfire_base::geometry`]. The format is described in `scenarios/README.md`.
 
-mod erased;
 mod explain;
 mod faults;
 mod keys;

@@ -137,7 +137,8 @@ pub fn summary(plan: &BatchPlan, folder: &OutputFolder, report: &BatchReport, lo
     // Commands are copied, so that their lines are not broken.
     let page = page_command(plan, &path, report).map(|command| Block::Verbatim(format!("Watch a run: {command}")));
     let charts = page.as_ref().map(|_| Block::Verbatim(format!("Page with charts: wildfire report {path}")));
-    let compare = charts.as_ref().filter(|_| plan.variants.len() > 1).map(|_| format!("Differences: wildfire compare {path}"));
+    let compare =
+        charts.as_ref().filter(|_| plan.variants.len() > 1).map(|_| format!("Differences: wildfire compare {path}"));
     let estimates = look.map(|look| Block::List(look.sentences(plan)));
     let commands = charts.into_iter().chain(compare.map(Block::Verbatim));
     let blocks = [opening].into_iter().chain(estimates).chain(commands).chain(tables).chain([sentences]).chain(page);

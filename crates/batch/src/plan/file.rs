@@ -33,7 +33,7 @@ use wildfire_scenario::{BUILT_IN, ScenarioText, first_too_deep};
 pub const PLAN_TEMPLATE: &str = include_str!("template.toml");
 
 /// Keys that a plan file has at its top, and a scenario never has.
-const KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
+pub const PLAN_KEYS: [&str; 7] = ["scenarios", "seeds", "planners", "set", "sweep", "record", "memory"];
 
 /// A plan file: the runs of a batch.
 #[derive(Deserialize, JsonSchema)]
@@ -79,7 +79,7 @@ pub fn schema() -> schemars::Schema {
 fn read(source: &ScenarioText) -> Result<Option<BatchRequest>, PlanFileError> {
     // Text that nests too deep is left to the reader of scenarios, who refuses it with its place.
     if first_too_deep(&source.text).is_some()
-        || !toml::from_str(&source.text).is_ok_and(|table: Table| KEYS.iter().any(|key| table.contains_key(*key)))
+        || !toml::from_str(&source.text).is_ok_and(|table: Table| PLAN_KEYS.iter().any(|key| table.contains_key(*key)))
     {
         return Ok(None);
     }

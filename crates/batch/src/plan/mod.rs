@@ -29,7 +29,7 @@ pub use equal_rules::{
     COLUMNS_OF_ENTRIES, FreeParameters, LimitsOfPrograms, TABLES_OF_PROGRAMS, USUALLY_FREE, kept_program,
     limits_of_programs, rules_of,
 };
-pub use file::{PLAN_TEMPLATE, schema as plan_schema};
+pub use file::{PLAN_KEYS, PLAN_TEMPLATE, schema as plan_schema};
 pub use free::{FreeKeys, FreeKeysError};
 pub use frozen::{PLAN_FILE, PlanError};
 pub(super) use program::PROGRAM;

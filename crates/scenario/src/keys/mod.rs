@@ -4,6 +4,7 @@ pub mod agents;
 pub mod alexandridis;
 pub mod custom_fuel;
 pub mod dispatch;
+mod erased;
 pub mod field;
 pub mod fire;
 pub mod goal;
