@@ -148,7 +148,9 @@ impl WrittenScenario<'_> {
         self.copies = AgentExpansion::expand(&mut expanded).map_err(|refusal| self.refuse_entry(&refusal))?;
         let mut scenario: Scenario = serde_path_to_error::deserialize(expanded).map_err(|error| {
             let path = FieldPath::from_serde(error.path());
-            let FaultOfField { fault, path, side } = wording::fault_from_message(error.inner().message(), path);
+            // Behind an empty line are the keys on the way, which the path has too.
+            let message = error.inner().message().split("\n\n").next().unwrap_or_default().trim_end();
+            let FaultOfField { fault, path, side } = wording::fault_from_message(message, path);
             fault.at(self.location(&path, side))
         })?;
         if scenario.name.is_empty() {
