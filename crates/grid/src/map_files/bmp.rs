@@ -34,7 +34,7 @@ pub(super) struct Bmp<'a> {
     bits: usize,
     packing: u32,
     palette: [[u8; 3]; 256],
-    /// Of red, green, blue and, if there is one, alpha.
+    /// The bits of a pixel that are red, green and blue, and those of its alpha if it has one.
     masks: Vec<u32>,
     packed: &'a [u8],
 }

@@ -48,7 +48,7 @@ pub(super) fn damaged(error: impl Display) -> Fault {
     if is_unread { Fault::Unread { format: "image", reason: message } } else { Fault::Image { message } }
 }
 
-/// What the header of an image says: its size, and the samples of its pixels.
+/// The size of an image in pixels and the samples of a pixel, from its header.
 #[derive(Clone, Copy)]
 pub(super) struct ImageHeader {
     pub rows: usize,

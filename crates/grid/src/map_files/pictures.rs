@@ -91,7 +91,7 @@ fn read_jpeg(bytes: &[u8]) -> Result<GreyImage, Fault> {
     if !reaches_its_end(bytes) {
         return Err(Fault::Image { message: "the file ends before the image does".to_owned() });
     }
-    // What breaks small rules is read; sizes are checked here.
+    // Minor faults of a file do not matter, and sizes are checked below.
     let options = DecoderOptions::default().set_strict_mode(false).set_max_width(usize::MAX).set_max_height(usize::MAX);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(damaged)?;

@@ -29,8 +29,8 @@ pub(super) fn read<R: BufRead + Seek>(
     header.decode_grey(notes, |pixels| reader.next_frame(pixels).map(drop).map_err(damaged))
 }
 
-/// Reads what comes before the pixels, which will be bytes or 16-bit words. What a file holds beside them may take so many
-/// bytes.
+/// Opens an image whose pixels will be bytes or 16-bit words, and reads the chunks before them. Colour profiles and texts
+/// may take `max_extras` bytes.
 pub(super) fn open<R: BufRead + Seek>(source: R, max_extras: u64) -> Result<png::Reader<R>, Fault> {
     let mut decoder = png::Decoder::new_with_limits(source, png::Limits { bytes: max_extras as usize });
     decoder.set_transformations(png::Transformations::EXPAND);

@@ -1,7 +1,7 @@
-//! Scenarios of every format go through one compiled reader and one writer.
+//! One compiled reader and one compiled writer of scenarios for all formats.
 //!
-//! What serde derives for a scenario and all of its tables is generic over the format, and large. Compiled for a format
-//! without a type, it is there once, not once for each format and crate.
+//! The code that serde derives for a scenario and its tables is large and generic over the format. Through `erased_serde` it
+//! is compiled once, not once for each format and crate.
 
 use erased_serde::{Deserializer as ErasedDeserializer, Serialize as ErasedSerialize};
 use serde::de::{Deserialize, Deserializer, Error};
