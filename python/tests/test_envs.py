@@ -133,8 +133,7 @@ def test_who_plays_by_sight_sees_what_a_dispatched_team_sees(radius_m):
         (seen, reward, ended, _, info), (everything, *_) = env.step(action), other.step(action)
         assert info["illegal"] == 0
         gained += reward
-    if radius_m == 40:
-        assert gained == pytest.approx(expected)
+    assert gained == pytest.approx(expected)
 
 
 def test_only_trucks_play_by_sight():

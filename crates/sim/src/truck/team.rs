@@ -206,7 +206,7 @@ impl Fleet<'_, '_> {
         }
     }
 
-    fn has_blocked_drives(&self, entity: Entity) -> bool {
+    pub fn has_blocked_drives(&self, entity: Entity) -> bool {
         let state = self.trucks.one(entity).1.deliberation.as_ref();
         state.is_some_and(|state| !state.blocked.is_empty())
     }
