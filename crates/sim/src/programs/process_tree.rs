@@ -144,6 +144,7 @@ impl Stat {
 /// The process's own time is exact to the nanosecond, that of its children that have ended to the system's tick, which is
 /// mostly 10 ms. A child that is alive counts from when the supervisor has seen it, with all that it took before.
 #[derive(Debug)]
+#[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "only Linux tells what others took"))]
 pub struct GroupClock {
     #[cfg(target_os = "linux")]
     clock: Option<nix::time::ClockId>,
@@ -194,6 +195,7 @@ impl GroupClock {
         None
     }
 
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "only Linux tells what others took"))]
     fn leader_stat(&self) -> Option<Stat> {
         let mut line = [0; 1024];
         let count = self.stat.as_ref()?.read_at(&mut line, 0).ok()?;
