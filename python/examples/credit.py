@@ -1,4 +1,4 @@
-"""Scores estimators of credit on CreditBench: `python credit.py credit/solo credit/team`, folders of `wildfire why --bench`.
+"""Scores estimators of credit on CreditBench: `python credit.py credit/*`, folders of `wildfire why --bench credit`.
 
     pip install wildfire-contest[arrow]
 

@@ -30,9 +30,10 @@ use wildfire_sim::RunOptions;
 use wildfire_timeline::AgentId;
 
 /// The parts of CreditBench: a name, a plan, and the number of decisions of each run that are judged.
-const CREDIT_BENCH: [(&str, &str, usize); 2] = [
+const CREDIT_BENCH: [(&str, &str, usize); 3] = [
     ("solo", include_str!("../../assets/credit/solo.toml"), 60),
-    ("team", include_str!("../../assets/credit/team.toml"), 3),
+    ("fleet", include_str!("../../assets/credit/fleet.toml"), 4),
+    ("duel", include_str!("../../assets/credit/duel.toml"), 1),
 ];
 const CREDIT_BENCH_CHOICES: usize = 10;
 const CREDIT_BENCH_FUTURES: u32 = 8;
@@ -73,7 +74,7 @@ pub struct WhyArguments {
     /// The most futures in which each choice is played.
     #[arg(long, default_value_t = SelectedDecisions::FUTURES, allow_hyphen_values = true, value_parser = parse_futures)]
     pub futures: u32,
-    /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo and DIR/team.
+    /// Play the runs of CreditBench and judge their decisions, into the new folders DIR/solo, DIR/fleet and DIR/duel.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["source", "overrides", "seed", "agents", "choices", "futures"])]
     pub bench: Option<PathBuf>,
     /// Play only these seeds of CreditBench [default: 1..32].

@@ -127,14 +127,14 @@ fn decisions_of_a_batch_are_a_table_with_a_row_for_each_choice() {
 }
 
 #[test]
-#[ignore = "tier 2: 16 runs of ten minutes"]
-fn credit_bench_is_two_batches_with_a_table_of_choices_each() {
+#[ignore = "tier 2: decisions of 16 runs"]
+fn credit_bench_is_three_batches_with_a_table_of_choices_each() {
     let story = Story::begin();
     story.tell(&["why", "--bench", "credit", "--seeds", "1..1", "--decisions", "1"]).expect_code(0);
-    for part in ["solo", "team"] {
+    for (part, scenarios) in [("solo", 2), ("fleet", 1), ("duel", 1)] {
         let folder = story.path("credit").join(part);
         let rows = fs::read_to_string(folder.join("runs.csv")).expect("it was written");
-        assert_eq!(rows.lines().count(), 1 + 8, "two scenarios, two ways of choosing fires, two arsonists");
+        assert_eq!(rows.lines().count(), 1 + 4 * scenarios, "two ways of choosing fires, two arsonists");
         assert!(fs::read(folder.join("decisions.parquet")).expect("it was written").starts_with(b"PAR1"));
     }
 }
