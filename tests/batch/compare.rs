@@ -211,7 +211,8 @@ fn planners_in_one_batch_are_compared_at_equal_coverage() {
     let batch = scratch.batch("a", &all);
     let of = |selection: &Selection| compare(std::slice::from_ref(&batch), selection, &["saved".into()]);
     let comparison = of(&by("planner")).expect("two planners");
-    assert_eq!(comparison.sides[1].description, format!("{}/runs.csv (scenario s, planner lattice)", batch.display()));
+    let rows = batch.join("runs.csv");
+    assert_eq!(comparison.sides[1].description, format!("{} (scenario s, planner lattice)", rows.display()));
     let Contrast { pairs, difference, interval, p_value, .. } = &only_judged(&comparison).contrast;
     assert_eq!((*pairs, *difference, *interval), (24, 3.0, None), "every pair differs by three");
     assert!(p_value.is_some_and(|p| p < 5e-4), "ranks of twelve seeds tell");
@@ -469,7 +470,7 @@ fn selections_that_cannot_be_met_are_refused_with_what_there_is() {
     let level = Selection { by: Some(("planner".into(), vec!["prm".into(), "prn".into()])), only: Vec::new() };
     let twice = scratch.batch("twice", &[Run::of(1, 100), Run::of(2, 100), Run::of(1, 100)]);
     let cases: [(&[&Path], &Selection, &[&str], &str); 9] = [
-        (&[&one, &twice], &none, &[], "twice/runs.csv: seed 1 occurs twice"),
+        (&[&one, &twice], &none, &[], "runs.csv: seed 1 occurs twice"),
         (&[&both, &others], &none, &[], "A and B share no seed under equal `planner`"),
         (&[&both], &by("planer"), &[], "no column `planer` to choose runs by: did you mean `planner`?"),
         (&[&both], &level, &[], "no run has planner `prn`: expected `prm`, `lattice`"),

@@ -930,7 +930,7 @@ fn written_maps_are_read_again_as_they_were() {
         map_files::write_npy(&path, &map).expect("writable");
         assert_eq!(map_files::read(&path, 50).expect("a map").occupied, map);
 
-        let grey = Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random()).collect());
+        let grey = Grid::from_values(rows, cols, (0..rows * cols).map(|_| rng.random::<u8>()).collect());
         map_files::write_png(&path, &grey).expect("writable");
         let read = map_files::read(&path, 50).expect("a map");
         assert_eq!((read.grey, read.notes.len()), (Some(grey), 0));

@@ -1,8 +1,10 @@
 //! Programs that tests start: they begin alike whoever calls the tests, and every wait for them has an end.
 
 use std::ffi::OsStr;
+#[cfg(unix)]
 use std::fs::File;
 use std::io::{Error, ErrorKind};
+#[cfg(unix)]
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc;
