@@ -4,7 +4,7 @@
 #     SEEDS=1..40 benches/study/run.sh PROGRAM FOLDER [PICTURES]
 #
 # Writes batches and tables.txt into FOLDER, and six figures as SVG into PICTURES (FOLDER/figures). Run again, it writes the
-# same tables except for CPU times. With LARGE=yes it also plays the fields of a square kilometre.
+# same tables except for CPU times.
 set -eu
 here=$(dirname "$0")
 program=$1
@@ -14,7 +14,4 @@ seeds=${SEEDS:-1..40}
 mkdir -p "$folder" "$pictures"
 "$program" batch "$here/plan.toml" --seeds "$seeds" --until decided --quiet --out "$folder/planners" > "$folder/planners.txt"
 "$program" batch "$here/searches.toml" --quiet --out "$folder/searches" > "$folder/searches.txt"
-if [ "${LARGE:-no}" = yes ]; then
-    "$program" batch "$here/large.toml" --seeds "$seeds" --until decided --quiet --out "$folder/large" > "$folder/large.txt"
-fi
 "$here/tables.sh" "$program" "$folder" "$pictures"
