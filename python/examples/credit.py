@@ -90,12 +90,13 @@ def leave_one_out(options: dict[str, Array], train: Array) -> Array:
 
 
 def critic(options: dict[str, Array], train: Array) -> Array:
-    """Returns the gain by a ridge regression on differences of features and on their products."""
-    x = options["x"] - options["x"][own_rows(options)]
+    """Returns the gain by a ridge regression on features, their logarithms and all products, less those of the option taken."""
+    x = np.concatenate([options["x"], np.log1p(options["x"])], axis=1)
     x = x / np.maximum(x[train].std(axis=0), 1e-9)
     first, second = np.triu_indices(x.shape[1])
     x = np.concatenate([x, x[:, first] * x[:, second]], axis=1)
-    weights = np.linalg.solve(x[train].T @ x[train] + np.eye(x.shape[1]), x[train].T @ options["first"][train])
+    x -= x[own_rows(options)]
+    weights = np.linalg.solve(x[train].T @ x[train] + np.eye(x.shape[1]), x[train].T @ options["half"][train])
     return x @ weights
 
 
