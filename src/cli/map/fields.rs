@@ -135,16 +135,10 @@ pub struct RepulsionArguments {
 pub struct FieldArguments {
     #[command(flatten)]
     #[serde(flatten)]
-    pub goal: GoalArguments,
+    pub attraction: AttractionArguments,
     #[command(flatten)]
     #[serde(flatten)]
-    pub attraction: AttractionOptions,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub neighbours: NeighbourArguments,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub repulsion: RepulsionOptions,
+    pub repulsion: RepulsionArguments,
 }
 
 #[derive(Debug, Args, Serialize)]
@@ -276,7 +270,7 @@ impl ArgumentGroup for RepulsionArguments {
 impl ArgumentGroup for FieldArguments {
     fn check(&self) -> Result<(), BadParameter> {
         self.attraction.check()?;
-        self.repulsion.check_single()
+        self.repulsion.check()
     }
 }
 
@@ -344,7 +338,7 @@ impl RepulsionOptions {
 impl DescendArguments {
     /// Lists the laws of repulsion to try, row by row: every eta for the first Q, then for the next.
     pub fn laws(&self) -> Vec<potential::Repulsion> {
-        self.field.repulsion.laws()
+        self.field.repulsion.repulsion.laws()
     }
 }
 
@@ -470,22 +464,23 @@ pub fn repulsion(occupied: &Grid<bool>, arguments: &RepulsionArguments) -> Resul
 }
 
 pub fn total(occupied: &Grid<bool>, arguments: &FieldArguments) -> Result<Computed, MapInputError> {
-    let goal = arguments.goal.goal;
+    let goal = arguments.attraction.goal.goal;
     check_inside("goal", occupied, goal)?;
-    let title = title_with_neighbours("Total potential", arguments.neighbours.connectivity);
-    let law = arguments.repulsion.law();
+    let title = title_with_neighbours("Total potential", arguments.repulsion.neighbours.connectivity);
+    let law = arguments.repulsion.repulsion.law();
     let values = timed(|| MapValues::Reals(total_field(occupied, arguments, &law)));
     Ok(Computed { goal: Some(goal), ..Computed::new(title, "potential", values) })
 }
 
 fn total_field(occupied: &Grid<bool>, arguments: &FieldArguments, law: &potential::Repulsion) -> Grid<f64> {
-    let brushfire = brushfire_or_zero(occupied, arguments.neighbours.connectivity.into());
-    let attraction = attraction_field(occupied, arguments.goal.goal, &arguments.attraction);
+    let FieldArguments { attraction, repulsion } = arguments;
+    let brushfire = brushfire_or_zero(occupied, repulsion.neighbours.connectivity.into());
+    let attraction = attraction_field(occupied, attraction.goal.goal, &attraction.attraction);
     potential::total(attraction, &brushfire, law)
 }
 
 pub fn descent(occupied: &Grid<bool>, arguments: &DescendArguments) -> Result<Computed, MapInputError> {
-    descent_with(occupied, arguments, &arguments.field.repulsion.law())
+    descent_with(occupied, arguments, &arguments.field.repulsion.repulsion.law())
 }
 
 /// Descends the field of one of the laws of repulsion.
@@ -495,8 +490,8 @@ pub fn descent_with(
     law: &potential::Repulsion,
 ) -> Result<Computed, MapInputError> {
     let start = arguments.start;
-    let goal = arguments.field.goal.goal;
-    let neighbours = arguments.field.neighbours.connectivity;
+    let goal = arguments.field.attraction.goal.goal;
+    let neighbours = arguments.field.repulsion.neighbours.connectivity;
     let connectivity = neighbours.into();
     let corners = arguments.corners.rule();
     check_free("goal", occupied, goal)?;

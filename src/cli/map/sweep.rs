@@ -125,7 +125,7 @@ impl<'a> DescentSweep<'a> {
         });
         let panels: Vec<SheetPanel> = panels.collect();
         // Each Q has a row: its panels differ in eta only, and are compared from left to right.
-        let columns = self.query.parameters.field.repulsion.eta.0.len();
+        let columns = self.query.parameters.field.repulsion.repulsion.eta.0.len();
         let title = report.title();
         let subtitle = report.parameters();
         draw_map_sheet(&MapSheet { title: &title, subtitle: &subtitle, columns, panels: &panels })

@@ -223,12 +223,9 @@ impl From<&BodyRecord> for Body {
 
 impl From<&Setting> for SettingTail {
     fn from(setting: &Setting) -> Self {
-        let limits = |limits: SpeedLimits| LimitsRecord {
-            forward_mps: limits.forward_mps,
-            reverse_mps: limits.reverse_mps,
-            acceleration_mps2: limits.acceleration_mps2,
-            braking_mps2: limits.braking_mps2,
-            lateral_mps2: limits.lateral_mps2,
+        let limits = |limits| {
+            let SpeedLimits { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2, .. } = limits;
+            LimitsRecord { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2 }
         };
         Self {
             limits: setting.agents.iter().map(|agent| agent.limits.map(limits)).collect(),
@@ -316,15 +313,9 @@ impl AgentRecord {
 
 impl From<LimitsRecord> for SpeedLimits {
     fn from(limits: LimitsRecord) -> Self {
-        Self {
-            forward_mps: limits.forward_mps,
-            reverse_mps: limits.reverse_mps,
-            acceleration_mps2: limits.acceleration_mps2,
-            braking_mps2: limits.braking_mps2,
-            lateral_mps2: limits.lateral_mps2,
-            // It is the body's.
-            steering: None,
-        }
+        let LimitsRecord { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2 } = limits;
+        // Steering is the body's.
+        Self { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2, steering: None }
     }
 }
 

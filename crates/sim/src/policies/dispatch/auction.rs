@@ -266,14 +266,6 @@ mod tests {
     use super::*;
     use wildfire_timeline::WaterRules;
 
-    #[test]
-    fn goals_are_savable_open_and_assigned_once() {
-        for seed in 0..60 {
-            let sample = Sample::new(seed);
-            sample.assert_sound(&Auction.assign(&sample.team(), &mut 0));
-        }
-    }
-
     /// The times at which the fires of a route are out, and the bushes that are saved; `None` if one is late.
     fn drive(open: &OpenFires<'_>, threats: &[u32], truck: &TeamTruck, fires: &[usize]) -> Option<(Vec<SimTime>, u32)> {
         let mut place = truck.place;

@@ -125,15 +125,6 @@ mod tests {
     }
 
     #[test]
-    fn goals_are_savable_open_and_assigned_once() {
-        for seed in 0..60 {
-            let sample = Sample::new(seed);
-            let team = sample.team();
-            sample.assert_sound(&NearestSavable.assign(&team, &mut 0));
-        }
-    }
-
-    #[test]
     fn the_truck_that_is_nearer_goes_though_its_number_is_higher() {
         let mut sample = Sample::with_trucks(&[(100.0, 100.0), (30.0, 30.0)]);
         sample.burn((4, 4));

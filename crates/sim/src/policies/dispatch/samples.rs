@@ -7,6 +7,7 @@ use rand::RngExt;
 
 use super::open_fires::OpenFires;
 use super::team::{Fire, Intact, Team, TeamRules, TeamTruck};
+use super::{Assignment, Auction, Hungarian, NearestSavable, RegionsFirst, ThreatFirst};
 use wildfire_base::geometry::{Cell, FieldFrame};
 use wildfire_base::rng;
 use wildfire_base::time::SimTime;
@@ -158,5 +159,18 @@ fn truck_at(number: u16, place: DVec2) -> TeamTruck {
         start: place,
         is_queried: true,
         stops_left: u32::MAX,
+    }
+}
+
+#[test]
+fn goals_are_savable_open_and_assigned_once() {
+    let mut regions = RegionsFirst(Box::new(NearestSavable));
+    let mut rules: [&mut dyn Assignment; 5] =
+        [&mut NearestSavable, &mut Hungarian, &mut ThreatFirst, &mut Auction, &mut regions];
+    for seed in 0..60 {
+        let sample = Sample::new(seed);
+        for rule in &mut rules {
+            sample.assert_sound(&rule.assign(&sample.team(), &mut 0));
+        }
     }
 }

@@ -56,14 +56,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goals_are_savable_open_and_assigned_once() {
-        for seed in 0..60 {
-            let sample = Sample::new(seed);
-            sample.assert_sound(&ThreatFirst.assign(&sample.team(), &mut 0));
-        }
-    }
-
-    #[test]
     fn what_threatens_more_is_put_out_before_what_is_nearer() {
         let mut sample = Sample::with_trucks(&[(50.0, 50.0)]);
         sample.burn((12, 10));

@@ -206,12 +206,9 @@ impl<'a> From<&'a Setting> for SettingObject<'a> {
 
 impl From<&AgentStart> for AgentObject {
     fn from(start: &AgentStart) -> Self {
-        let limits = |limits: SpeedLimits| LimitsObject {
-            forward_mps: limits.forward_mps,
-            reverse_mps: limits.reverse_mps,
-            acceleration_mps2: limits.acceleration_mps2,
-            braking_mps2: limits.braking_mps2,
-            lateral_mps2: limits.lateral_mps2,
+        let limits = |limits| {
+            let SpeedLimits { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2, .. } = limits;
+            LimitsObject { forward_mps, reverse_mps, acceleration_mps2, braking_mps2, lateral_mps2 }
         };
         Self {
             agent: AgentLabel(start.id),
