@@ -40,11 +40,13 @@ pub fn open(path: &Path) -> io::Result<InputFile> {
     if is_standard_stream(path) {
         return Ok(InputFile::Stdin(io::stdin()));
     }
+    // A folder opens like a file on Unix, where only reading it would fail, and is "Access denied" on Windows.
+    if path.is_dir() {
+        return Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder; expected a file"));
+    }
     let file = File::open(path)?;
     let found = file.metadata()?;
     match () {
-        // A folder opens like a file on Unix, and only reading it would fail.
-        () if found.is_dir() => Err(io::Error::new(ErrorKind::IsADirectory, "it is a folder; expected a file")),
         () if found.is_file() => Ok(InputFile::Regular(file, found.len())),
         () => Ok(InputFile::Stream(file)),
     }
