@@ -61,6 +61,9 @@ impl Whole for WholeFile {
 
 impl Append for File {
     fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        // It is not opened to append there, see `journal::lock`.
+        #[cfg(windows)]
+        io::Seek::seek(self, io::SeekFrom::End(0))?;
         self.write_all(bytes)
     }
 

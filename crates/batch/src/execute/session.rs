@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use crate::execute::entries::JOURNAL;
 use crate::execute::journal::{
-    JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, seeds_of_journal, write_journal,
+    JournalError, LockedJournal, OpenJournal, RowReader, plan_of_journal, seeds_of_journal, written_journal,
 };
 use crate::execute::machines::note_machine;
 use crate::execute::workers::{RunEnd, Task, Work, run_all};
@@ -258,20 +258,24 @@ impl Batch {
             row.label.run = run.number;
             Ok(row)
         });
+        let path = self.folder.journal(Slice::WHOLE);
+        let shorter = written_journal(&path, &plan, self.disk(), renumbered)?;
+        let Self { plan: longer, folder, journal, disk, .. } = self;
+        // Windows does not replace a file that is open.
+        drop(journal);
         // The journal is replaced before the plan: `shortened_as_journal` finishes what a crash between both leaves.
-        write_journal(&self.folder.journal(Slice::WHOLE), &plan, self.disk(), renumbered)?;
-        write_plan(&plan, &self.folder, PLAN_FILE, self.disk())?;
+        shorter.finish().map_err(|source| BatchError::unwritable(&path, source))?;
+        write_plan(&plan, &folder, PLAN_FILE, &*disk)?;
         // From the first on, so that no name is taken that a later one still has.
         for run in plan.runs().filter(|_| plan.record != Record::None) {
-            let before = self.plan.run(self.plan.number(plan.place(run.number)));
+            let before = longer.run(longer.number(plan.place(run.number)));
             let [from, to] =
-                [self.plan.recording_name(&before), plan.recording_name(&run)].map(|it| self.folder.recording(&it));
+                [longer.recording_name(&before), plan.recording_name(&run)].map(|it| folder.recording(&it));
             // A crash may come between two recordings; those that were renamed before are then left alone.
             if from != to && from.exists() {
                 fs::rename(&from, &to).map_err(|source| BatchError::unwritable(&to, source))?;
             }
         }
-        let Self { folder, disk, .. } = self;
         Self::resume_on(folder, Slice::WHOLE, disk)
     }
 

@@ -10,12 +10,14 @@
 
 mod index;
 mod line;
+mod lock;
 mod open;
 mod row_stream;
 
 pub use index::{FailedRuns, JournalIndex, RowReader, add_failed};
 pub use line::{count_lines, encode_row};
-pub use open::{LockedJournal, OpenJournal, open_to_read, plan_of_journal, seeds_of_journal, write_journal};
+pub use lock::open_to_read;
+pub use open::{LockedJournal, OpenJournal, plan_of_journal, seeds_of_journal, written_journal};
 pub use row_stream::{RowStream, StreamBudget};
 
 use std::io;

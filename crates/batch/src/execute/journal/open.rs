@@ -1,17 +1,18 @@
 //! A journal that only this process writes.
 
-use std::fs::{self, File, Metadata, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::fs::{self, File, Metadata};
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use super::index::{LineStart, Lines, RowReader, read_line_at};
 use super::line::{Entry, Head, decode, encode, encode_row};
+use super::lock::open_to_append;
 use super::{JournalError, JournalIndex};
-use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RealDisk, RunRow, Status};
+use crate::execute::{Append, BatchError, Disk, Lock, OutputFolder, RealDisk, RunRow, Status, Whole};
 use crate::plan::{BatchPlan, Slice};
 use wildfire_base::time::wall::WallStopwatch;
-use wildfire_base::whole_file::sync_folder_of;
 
 /// The most bytes of a journal that are kept in memory.
 const MAX_GUARDED_BYTES: usize = 1 << 28;
@@ -88,10 +89,7 @@ impl LockedJournal {
     pub fn take(folder: &OutputFolder, slice: Slice) -> Result<Self, BatchError> {
         let path = folder.journal(slice);
         let keeping = folder.keeping();
-        let file = open_to_append(&path).map_err(|source| BatchError::unwritable(&path, source))?;
-        if keeping.lock == Lock::Flock {
-            lock_by_system(&path, file.try_lock())?;
-        }
+        let file = open_to_append(&path, keeping.lock)?;
         let sync_every = keeping.sync_every;
         let local_folder = keeping.local_folder.clone();
         Ok(Self { path, file, sync_every, local_folder })
@@ -141,20 +139,20 @@ impl LockedJournal {
     }
 }
 
-/// Writes the journal of a whole batch in one go, in place of the one that is there.
-pub fn write_journal(
+/// Writes the journal of a whole batch in one go; finished, it takes the place of the one that is there.
+pub fn written_journal(
     path: &Path,
     plan: &BatchPlan,
     disk: &dyn Disk,
     rows: impl Iterator<Item = Result<RunRow, JournalError>>,
-) -> Result<(), BatchError> {
+) -> Result<Box<dyn Whole>, BatchError> {
     let unwritable = |source| BatchError::unwritable(path, source);
     let mut file = disk.whole_file(path).map_err(unwritable)?;
     file.write_all(&encode(&Head::new(&plan.content_sha256(), Slice::WHOLE))).map_err(unwritable)?;
     for row in rows {
         file.write_all(&encode_row(&row?)).map_err(unwritable)?;
     }
-    file.finish().map_err(unwritable)
+    Ok(file)
 }
 
 /// Returns the hash of the plan whose journal this is; `None` if its first line cannot be read.
@@ -189,38 +187,23 @@ fn drop_torn_line(index: &JournalIndex, path: &Path, file: &File) -> Result<(), 
     file.set_len(index.end()).map_err(|source| BatchError::unwritable(path, source))
 }
 
-/// Opens a file to be read, and written at its end, and creates it if need be.
-fn open_to_append(path: &Path) -> io::Result<File> {
-    let file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
-    sync_folder_of(path)?;
-    Ok(file)
-}
-
-/// Says who has a lock, or that there can be none.
-fn lock_by_system(path: &Path, locked: Result<(), TryLockError>) -> Result<(), JournalError> {
-    match locked {
-        Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(JournalError::Locked { path: path.to_owned() }),
-        Err(TryLockError::Error(source)) => Err(JournalError::NoLock { path: path.to_owned(), source }),
-    }
-}
-
 /// Opens the local file of a journal with all that its place holds. A process that was killed on this machine may have
 /// left a file that holds more, which then stays as it is.
 fn copy_to(folder: &Path, local_path: &Path, mut home: &File) -> Result<File, BatchError> {
     let unwritable = |source| BatchError::unwritable(local_path, source);
     fs::create_dir_all(folder).map_err(unwritable)?;
-    let mut local = open_to_append(local_path).map_err(unwritable)?;
-    // Locks of local disks work; where they do not, the journal's own lock has to do.
-    if matches!(local.try_lock(), Err(TryLockError::WouldBlock)) {
-        return Err(JournalError::Locked { path: local_path.to_owned() }.into());
-    }
+    let mut local = match open_to_append(local_path, Lock::Flock) {
+        // Locks of local disks work; where they do not, the journal's own lock has to do.
+        Err(BatchError::Journal(JournalError::NoLock { .. })) => open_to_append(local_path, Lock::None),
+        opened => opened,
+    }?;
     let rewind = |mut file: &File| file.seek(SeekFrom::Start(0)).map_err(unwritable);
     let length = rewind(home).and_then(|_| home.metadata().map_err(unwritable))?.len();
     rewind(&local)?;
     // A copy that goes on from the journal is kept; any other is replaced.
     if !begins_with(&local, home, length).map_err(unwritable)? {
         local.set_len(0).map_err(unwritable)?;
+        rewind(&local)?;
         rewind(home)?;
         io::copy(&mut home, &mut local).map_err(unwritable)?;
     }
@@ -233,21 +216,9 @@ fn begins_with(local: &File, home: &File, length: u64) -> io::Result<bool> {
     if local.metadata()?.len() < length {
         return Ok(false);
     }
-    let mut one = vec![0; BROUGHT_BYTES];
-    let mut other = vec![0; BROUGHT_BYTES];
-    let mut local = local;
-    let mut home = home;
-    let mut left = length;
-    while left > 0 {
-        let part = usize::try_from(left).map_or(BROUGHT_BYTES, |left| left.min(BROUGHT_BYTES));
-        local.read_exact(&mut one[..part])?;
-        home.read_exact(&mut other[..part])?;
-        if one[..part] != other[..part] {
-            return Ok(false);
-        }
-        left -= part as u64;
-    }
-    Ok(true)
+    let [local, home] = [local, home].map(|file| BufReader::with_capacity(BROUGHT_BYTES, file).take(length).bytes());
+    let mut same = local.zip(home).map(|(local, home)| Ok(local? == home?));
+    same.find(|same| !matches!(same, Ok(true))).unwrap_or(Ok(true))
 }
 
 impl OpenJournal {
@@ -306,8 +277,8 @@ impl OpenJournal {
         let Some(guard) = &mut self.guard else { return Ok(()) };
         // The program that changed the journal may have removed it already.
         let _ = fs::remove_file(&self.path);
-        let emptied = open_to_append(&self.path).and_then(|file| file.set_len(0).map(|()| file));
-        let file = emptied.map_err(|source| BatchError::unwritable(&self.path, source))?;
+        let file = open_to_append(&self.path, Lock::None)?;
+        file.set_len(0).map_err(|source| BatchError::unwritable(&self.path, source))?;
         // Where files cannot be locked, the first lock was refused already, or not asked for.
         let _ = file.try_lock();
         self.writer = writer_of(&RealDisk, &self.path, &file)?;
@@ -370,10 +341,10 @@ impl OpenJournal {
         }
         // Before the copy is removed, which until then is the only one on disk.
         home.writer.sync().map_err(unwritable)?;
-        // What is left behind would be found by the next process and be no more than it has.
-        let _ = fs::remove_file(&self.path);
         let FinalJournal { path, file, writer, .. } = home;
-        (self.path, self.file, self.writer) = (path, file, writer);
+        (self.file, self.writer) = (file, writer);
+        // What is left behind would be found by the next process and be no more than it has.
+        let _ = fs::remove_file(mem::replace(&mut self.path, path));
         Ok(())
     }
 
@@ -443,13 +414,4 @@ fn is_same_file(one: &Metadata, other: &Metadata) -> bool {
 #[cfg(not(unix))]
 fn is_same_file(_: &Metadata, _: &Metadata) -> bool {
     true
-}
-
-/// Opens a journal for reading, and refuses one that a process is writing. The lock lasts as long as the file is open.
-pub fn open_to_read(path: &Path, lock: Lock) -> Result<File, JournalError> {
-    let file = File::open(path).map_err(|source| JournalError::unreadable(path, source))?;
-    if lock == Lock::Flock {
-        lock_by_system(path, file.try_lock_shared())?;
-    }
-    Ok(file)
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use super::JournalError;
 use super::index::{LineStart, Lines, check_head, expect_same_row, read_line_at};
 use super::line::{Head, damaged_at, decode, run_of};
-use super::open::open_to_read;
+use super::lock::open_to_read;
 use crate::execute::{BatchError, Lock, OutputFolder, RunRow};
 use crate::plan::Slice;
 
