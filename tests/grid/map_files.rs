@@ -36,7 +36,8 @@ impl Folder {
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        // Collected with the separators of the system.
+        self.0.path().join(name).components().collect()
     }
 
     fn file(&self, name: &str, bytes: &[u8]) -> PathBuf {
@@ -195,11 +196,11 @@ fn small_map_files() -> Vec<(&'static str, Vec<u8>)> {
         ("NumPy bool", npy("'|b1'", "False", "(3, 4)", &by_rows)),
         ("NumPy bool by columns", npy("'|b1'", "True", "(3, 4)", &by_columns)),
         ("NumPy u1", npy("\"|u1\"", "False", "(3,4,)", &by_rows)),
-        ("NumPy <i8", npy("'<i8'", "False", "(3, 4)", &widened(false, 8))),
-        ("NumPy >u2", npy("'>u2'", "False", "(3, 4)", &widened(true, 2))),
-        ("NumPy >i4", npy("'>i4'", "False", "(3, 4)", &widened(true, 4))),
-        ("NumPy <f4", npy("'<f4'", "False", "(3, 4)", &floats(|cell| cell.to_le_bytes().to_vec()))),
-        ("NumPy >f8", npy("'>f8'", "False", "(3, 4)", &floats(|cell| f64::from(cell).to_be_bytes().to_vec()))),
+        ("NumPy i8, LE", npy("'<i8'", "False", "(3, 4)", &widened(false, 8))),
+        ("NumPy u2, BE", npy("'>u2'", "False", "(3, 4)", &widened(true, 2))),
+        ("NumPy i4, BE", npy("'>i4'", "False", "(3, 4)", &widened(true, 4))),
+        ("NumPy f4, LE", npy("'<f4'", "False", "(3, 4)", &floats(|cell| cell.to_le_bytes().to_vec()))),
+        ("NumPy f8, BE", npy("'>f8'", "False", "(3, 4)", &floats(|cell| f64::from(cell).to_be_bytes().to_vec()))),
         ("JPEG", jpeg(grey.values(), ExtendedColorType::L8)),
         ("JPEG of colours", jpeg(&rgb, ExtendedColorType::Rgb8)),
         ("WebP", webp(&rgb, ExtendedColorType::Rgb8)),
