@@ -15,7 +15,7 @@ use wildfire_base::whole_file::sync_folder_of;
 pub fn open_to_append(path: &Path, lock: Lock) -> Result<File, BatchError> {
     let unwritable = |source| BatchError::unwritable(path, source);
     let mut options = OpenOptions::new();
-    // Windows does not shorten files that were opened to append, so whoever appends seeks the end there.
+    // On Windows a file opened to append cannot be shortened, so each append seeks the end first.
     options.read(true).write(true).append(cfg!(not(windows))).create(true).truncate(false);
     let file = open(path, &mut options, lock, File::try_lock, unwritable)?;
     sync_folder_of(path).map_err(unwritable)?;

@@ -343,7 +343,7 @@ impl OpenJournal {
         home.writer.sync().map_err(unwritable)?;
         let FinalJournal { path, file, writer, .. } = home;
         (self.file, self.writer) = (file, writer);
-        // What is left behind would be found by the next process and be no more than it has.
+        // A copy that cannot be removed does no harm: the journal has all that is in it.
         let _ = fs::remove_file(mem::replace(&mut self.path, path));
         Ok(())
     }
