@@ -198,7 +198,9 @@ impl Fleet<'_, '_> {
             None if choice == Action::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
             None if choice == Action::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
             // Its policy has no other goal for it than those that are blocked.
-            None if options.is_empty() || self.has_blocked_drives(entity) => Some(self.stop_looking(entity, fires)),
+            None if options.is_empty() || !matches!(choice, Action::Go(_)) && self.has_blocked_drives(entity) => {
+                Some(self.stop_looking(entity, fires))
+            }
             None => Some(DecisionOutcome::Stays(choice.until())),
         };
         let concluded = conclusion.and_then(|conclusion| self.conclude(entity, conclusion, cpu_log));
