@@ -3,6 +3,7 @@
 //! Its yaw is clockwise: a vehicle faces (cos yaw, -sin yaw), so headings change their sign here. A file is read by events
 //! into a small tree, whose size is bounded by the file's: aliases, which could make more of it, are refused.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
@@ -63,7 +64,7 @@ impl YamlNode {
                     None
                 }
                 Event::Scalar(word, ..) => Some(Self { line, content: NodeContent::Word(word.into_owned()) }),
-                Event::MappingEnd | Event::SequenceEnd => open.pop().map(|(value, _)| value),
+                Event::MappingEnd | Event::SequenceEnd => open.pop().map(|(value, _)| value.checked()).transpose()?,
                 Event::Alias(_) => return Err(fault(line, "aliases are not read here; expected plain values")),
                 // Beginnings and ends of streams and documents hold no value.
                 _ => None,
@@ -91,6 +92,17 @@ impl YamlNode {
         Err(fault(1, "the file is empty; expected an instance or a solution"))
     }
 
+    /// YAML forbids keys that stand twice, and readers differ in which of both they take.
+    fn checked(self) -> Result<Self, FileFault> {
+        let mut seen = BTreeSet::new();
+        if let NodeContent::Mapping(members) = &self.content
+            && let Some((key, _)) = members.iter().find(|(key, _)| !seen.insert(key))
+        {
+            return Err(fault(self.line, &format!("`{}` stands twice; expected it once", visible_start(key))));
+        }
+        Ok(self)
+    }
+
     fn unlike(&self, name: &str, expected: &str) -> FileFault {
         let found = match &self.content {
             NodeContent::Word(word) if word.is_empty() => "empty".to_owned(),
@@ -103,11 +115,10 @@ impl YamlNode {
 
     fn member(&self, key: &str) -> Result<&Self, FileFault> {
         let NodeContent::Mapping(members) = &self.content else {
-            let message = format!("expected a mapping with `{key}`");
-            return Err(FileFault { line: self.line, message });
+            return Err(fault(self.line, &format!("expected a mapping with `{key}`")));
         };
         let found = members.iter().find(|(name, _)| name == key).map(|(_, value)| value);
-        found.ok_or_else(|| FileFault { line: self.line, message: format!("there is no `{key}` here") })
+        found.ok_or_else(|| fault(self.line, &format!("there is no `{key}` here")))
     }
 
     fn list(&self, name: &str, max: usize) -> Result<&[Self], FileFault> {

@@ -322,6 +322,7 @@ fn files_are_read_and_refused_with_their_line() {
         ("[20, 10]", "[20, 1e9]", "line 6: `dimensions` is 1e9; expected a number from 1 to 2000"),
         ("    name: agent0\n", "", "line 2: there is no `name` here"),
         ("agent0", "'a b'", "line 3: `name` is a b; expected at most 60 letters, digits, and `_`, `-` or `.`"),
+        ("    name: agent0\n", "    goal: [1, 2, 0]\n", "line 2: `goal` stands twice; expected it once"),
         ("agent0", "*x", "line 3: while parsing node, found unknown anchor"),
         ("map:", "mop:", "line 1: there is no `map` here"),
         (
@@ -333,10 +334,8 @@ fn files_are_read_and_refused_with_their_line() {
     for (from, to, expected) in cases {
         assert_eq!(refused(from, to), expected);
     }
-    assert_eq!(
-        read_instance("").expect_err("empty").to_string(),
-        "line 1: the file is empty; expected an instance or a solution"
-    );
+    let empty = read_instance("").expect_err("empty").to_string();
+    assert_eq!(empty, "line 1: the file is empty; expected an instance or a solution");
     let skipped = "schedule:\n  agent0:\n    - {x: 1, y: 2, yaw: 0, t: 0}\n    - {x: 1, y: 2, yaw: 0, t: 2}\n";
     let skipped = read_solution(skipped).expect_err("a step is left out").to_string();
     assert_eq!(skipped, "line 4: `t` is 2; expected 1, since steps count 0, 1, 2 and so on");
