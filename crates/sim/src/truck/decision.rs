@@ -197,7 +197,7 @@ impl Fleet<'_, '_> {
             Some(goal) => self.try_goal(entity, goal, fires),
             None if choice == Action::GoToNearest && !options.is_empty() => self.try_nearest(entity, &options, fires),
             None if choice == Action::Refill || self.is_out_of_water(entity, fires) => Some(self.refill(entity, fires)),
-            // Its policy has no other goal for it than those that are blocked.
+            // Its policy names no goal but blocked ones. A choice that is no option any more is another matter: it stays.
             None if options.is_empty() || !matches!(choice, Action::Go(_)) && self.has_blocked_drives(entity) => {
                 Some(self.stop_looking(entity, fires))
             }
