@@ -212,10 +212,8 @@ mod tests {
     fn nearest(episode: &Episode, agent_pending: &PendingAgent) -> Action {
         let agents = episode.agents();
         let place = agents.iter().find(|agent| agent.id == agent_pending.agent).expect("all agents are seen").place;
-        let frame = *episode.fires().frame();
-        let squared_m = |cell: &Cell| (frame.centre(*cell) - place).length_squared();
-        let best = agent_pending.options.iter().min_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
-        best.map_or(Action::Wait, |&cell| Action::Go(cell))
+        let best = agent_pending.options.iter().copied().min_by(episode.fires().frame().by_distance(place));
+        best.map_or(Action::Wait, Action::Go)
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Cells of a field, and where they lie in the world.
 
+use std::cmp::Ordering;
 use std::fmt;
 
 use glam::DVec2;
@@ -68,6 +69,12 @@ impl FieldFrame {
 
     pub fn centre(&self, cell: Cell) -> DVec2 {
         DVec2::new((f64::from(cell.col) + 0.5) * self.cell_m, (f64::from(cell.row) + 0.5) * self.cell_m)
+    }
+
+    /// Compares cells by how near their centres are to a place, in metres.
+    pub fn by_distance(&self, place: DVec2) -> impl Fn(&Cell, &Cell) -> Ordering {
+        let squared_m = move |cell: &Cell| (self.centre(*cell) - place).length_squared();
+        move |a, b| squared_m(a).total_cmp(&squared_m(b))
     }
 
     /// The cell that holds a point; `None` outside the field. A shared edge belongs to the cell in the north or east.

@@ -228,9 +228,8 @@ impl SelectedDecisions {
 
 /// Lists the options of a decision but one, the nearest to the agent first.
 pub fn nearest_options(decision: &Decision, frame: &FieldFrame, except: Option<Cell>) -> Vec<Cell> {
-    let squared_m = |cell: &Cell| (frame.centre(*cell) - decision.agent.place).length_squared();
     let mut cells: Vec<Cell> = decision.options.iter().copied().filter(|&cell| Some(cell) != except).collect();
-    cells.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+    cells.sort_by(frame.by_distance(decision.agent.place));
     cells
 }
 

@@ -1,6 +1,5 @@
 //! The policy of the largest cluster of fires.
 
-use super::nearest::by_distance;
 use super::{AgentView, Observation, Rule};
 use wildfire_base::geometry::Cell;
 use wildfire_fire::FireField;
@@ -13,7 +12,7 @@ impl Rule for LargestCluster {
     fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
         let sizes = cluster_sizes(seen.fires);
         let size = |cell: &Cell| sizes[seen.fires.frame().index(*cell)];
-        let nearest = by_distance(seen, agent.place);
+        let nearest = seen.fires.frame().by_distance(agent.place);
         options.iter().copied().min_by(|a, b| size(b).cmp(&size(a)).then_with(|| nearest(a, b)))
     }
 }

@@ -1,20 +1,11 @@
 //! Policies that go by distance, in a straight line from the middle of the agent's body to the cell's centre. Ties go to
 //! the smaller cell index, since options come by index and the first of equals wins.
 
-use std::cmp::Ordering;
-
 use glam::DVec2;
 
 use super::{AgentView, Observation, Rule};
 use wildfire_base::geometry::Cell;
 use wildfire_fire::BushState;
-
-/// Compares cells by how near they are to a place.
-pub fn by_distance(seen: &Observation<'_>, place: DVec2) -> impl Fn(&Cell, &Cell) -> Ordering + use<> {
-    let frame = *seen.fires.frame();
-    let squared_m = move |cell: &Cell| (frame.centre(*cell) - place).length_squared();
-    move |a, b| squared_m(a).total_cmp(&squared_m(b))
-}
 
 /// Chooses the nearest: of fires for a truck, of what can be lit for a Wumpus.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +13,7 @@ pub struct Nearest;
 
 impl Rule for Nearest {
     fn best(&mut self, seen: &Observation<'_>, agent: &AgentView, options: &[Cell]) -> Option<Cell> {
-        options.iter().copied().min_by(by_distance(seen, agent.place))
+        options.iter().copied().min_by(seen.fires.frame().by_distance(agent.place))
     }
 }
 
@@ -36,7 +27,7 @@ impl Rule for Oldest {
             Some(BushState::Burning { since }) => Some(since),
             _ => None,
         };
-        let nearest = by_distance(seen, agent.place);
+        let nearest = seen.fires.frame().by_distance(agent.place);
         options.iter().copied().min_by(|a, b| since(a).cmp(&since(b)).then_with(|| nearest(a, b)))
     }
 }

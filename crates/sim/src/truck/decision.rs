@@ -280,10 +280,9 @@ impl Fleet<'_, '_> {
         let pose = agent.trajectory.start();
         let frame = fires.frame();
         let from = truck.body.body_centre(pose);
-        let squared_m = |cell: &Cell| (frame.centre(*cell) - from).length_squared();
         // By cell index, so that of equally near ones the first counts.
         let mut nearest = options.to_vec();
-        nearest.sort_by(|a, b| squared_m(a).total_cmp(&squared_m(b)));
+        nearest.sort_by(frame.by_distance(from));
         let first = *nearest.first()?;
         // The drive to far goals is rarely the shortest, and each goal makes the search larger.
         nearest.truncate(MAX_GOALS);

@@ -264,9 +264,8 @@ pub fn arrive(mut fleet: Fleet, fires: Res<Fires>) {
             // Planned with what burns now: what catches fire during the stop gets no water.
             let stop = FireStop::new(&agent, &truck, cell);
             let mut others: Vec<Cell> = stop.others(field).collect();
-            let away = |cell: &Cell| (field.frame().centre(*cell) - stop.centre).length_squared();
             // Nearest first: water that does not last for all goes to them.
-            others.sort_by(|a, b| away(a).total_cmp(&away(b)));
+            others.sort_by(field.frame().by_distance(stop.centre));
             let plan = needs.plan_stop(cell, others, left);
             truck.extinguish_set = Some(plan.cells.into_iter().map(|cell| (cell, field.episode(cell))).collect());
             water_units = plan.water_units;
