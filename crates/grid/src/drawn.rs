@@ -139,8 +139,7 @@ mod tests {
     use wildfire_base::rng;
 
     fn picture(map: &Grid<bool>) -> Vec<String> {
-        let line = |row| map.row(row).iter().map(|&occupied| if occupied { '#' } else { '.' }).collect();
-        (0..map.rows()).map(line).collect()
+        (0..map.rows()).map(|row| map.row(row).iter().map(|&cell| if cell { '#' } else { '.' }).collect()).collect()
     }
 
     fn free_count(map: &Grid<bool>) -> usize {

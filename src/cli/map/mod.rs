@@ -167,8 +167,7 @@ fn write_table(report: &MapReport, path: &Path) -> io::Result<()> {
     let computed = report.computed;
     match (&computed.search, &computed.graph) {
         (Some(search), _) => {
-            let cost = |place| computed.values.at(place).to_text();
-            search.write_expansions(path, report.map.occupied.cols(), &cost)
+            search.write_expansions(path, report.map.occupied.cols(), &|place| computed.values.at(place).to_text())
         }
         (None, Some(graph)) => graph.write_edges(path),
         (None, None) => unreachable!("only searches and graphs have such a table"),

@@ -26,8 +26,7 @@ impl Radius {
             let left = limit - f64::from(row * row);
             let about = left.sqrt().min(f64::from(frame.cols) - 1.0) as i32;
             // The root may be off by rounding, the squares of whole numbers are not.
-            let fits = |cols: &i32| f64::from(cols * cols + row * row) <= limit;
-            (about - 1..=about + 1).rev().find(|cols| fits(cols)).unwrap_or(0) as u16
+            (about - 1..=about + 1).rev().find(|cols| f64::from(cols * cols + row * row) <= limit).unwrap_or(0) as u16
         };
         Self { rules, half_widths: (-rows..=rows).map(half_width).collect() }
     }

@@ -244,8 +244,7 @@ pub fn shortened(ground: &StaticMap, route: Route, is_stopped: &mut dyn FnMut() 
     };
     let joined = StaticDrive::new(route.start, steps_of(path.joined().segments.into_iter()));
     // Other cuts have other whole steps, at which obstacles may be met that were passed between steps before.
-    let is_allowed = |drive: &StaticDrive| drive.motions.iter().all(|motion| ground.allows(motion));
-    [joined, drive].into_iter().find(is_allowed).unwrap_or(whole)
+    [joined, drive].into_iter().find(|drive| drive.motions.iter().all(|motion| ground.allows(motion))).unwrap_or(whole)
 }
 
 /// A search for one vehicle.

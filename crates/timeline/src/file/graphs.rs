@@ -97,8 +97,7 @@ mod tests {
 
     #[test]
     fn a_tree_on_a_lattice_takes_six_bytes_a_place_before_deflation() {
-        let place = |index: i32| (12_500 + 500 * (index % 50), 12_500 + 500 * (index / 50));
-        let places: Vec<_> = (0..1000).map(place).collect();
+        let places: Vec<_> = (0..1000).map(|at| (12_500 + 500 * (at % 50), 12_500 + 500 * (at / 50))).collect();
         let edges: Vec<_> = (1..1000).map(|to| (to - if to < 50 { 1 } else { 50 }, to)).collect();
         let mut bytes = Vec::new();
         append_graph(&mut bytes, &SearchGraph { places, edges });
