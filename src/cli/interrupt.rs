@@ -25,11 +25,17 @@ static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Gives all signals that ask for an end an exit code. It is called once, before anything else.
 pub fn install() {
     let caught = "these signals may be caught";
-    for signal in ending_signals() {
+    let signals = ending_signals().map(|signal| (signal, Arc::new(AtomicBool::new(false)))).collect::<Vec<_>>();
+    for &(signal, ref is_here) in &signals {
         // Handlers act in the order in which they are registered: a signal that does not end the program makes the
         // next one end it.
         flag::register_conditional_shutdown(signal, exit::INTERRUPTED.into(), &ENDS_INTERRUPTED).expect(caught);
         flag::register_conditional_shutdown(signal, exit::RESUMABLE.into(), &ENDS_RESUMABLE).expect(caught);
+        // Two may come here at once, on two threads: each says that it is here before it looks for the other.
+        flag::register(signal, Arc::clone(is_here)).expect(caught);
+        for (_, other) in signals.iter().filter(|(other, _)| *other != signal) {
+            flag::register_conditional_shutdown(signal, exit::INTERRUPTED.into(), Arc::clone(other)).expect(caught);
+        }
         flag::register(signal, Arc::clone(&STOP)).expect(caught);
         flag::register(signal, &ENDS_INTERRUPTED).expect(caught);
     }
